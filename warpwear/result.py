@@ -1,6 +1,7 @@
 """A run as a user holds it: its numbers, its pictures, its summary, and how a notebook shows it."""
 
 import base64
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,7 +33,17 @@ COURSES, FIELDS, DPI = ("cof", "areas", "pressure"), ("pressure_map",), 100
 class Result(ResultFile):
     """A run: its history, its snapshots, its figures.
 
-    `Result(path)` and `Result.open(path)` open the one in a run folder. Raises InputError.
+    `Result(path)` and `Result.open(path)` open the one in a run folder; `run` returns one.
+
+    Parameters
+    ----------
+    path : path
+        A run folder, or the HDF5 file in it. What was read stays when the file is closed.
+
+    Raises
+    ------
+    InputError
+        For what is no result, or damaged.
     """
 
     @cached_property
@@ -41,9 +52,22 @@ class Result(ResultFile):
         return record(summarise(self))
 
     def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the disc's heights before any wear over its mean plane [mm], at x × y [mm].
+        """Return the disc's heights before any wear over its mean plane, made or read again.
 
-        They are made, or read, again. Raises InputError where the file of a measured disc is gone.
+        Parameters
+        ----------
+        x, y : array
+            Places [mm], shapes (nx,) and (ny,).
+
+        Returns
+        -------
+        array
+            Heights [mm], shape (nx, ny).
+
+        Raises
+        ------
+        InputError
+            Where the file of a measured disc is gone.
         """
         return surface_in(self.study).heights(x, y)
 
@@ -53,21 +77,55 @@ class Result(ResultFile):
         return surface_evolution(self)
 
     def to_dataframe(self) -> Any:
-        """Return the history as a pandas.DataFrame, a row a step; units in `.attrs["units"]`."""
+        """Return the history as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row a step; units in ``.attrs["units"]``.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
+        """
         return to_dataframe(self)
 
     def to_xarray(self) -> Any:
-        """History, patches and all snapshots as an xarray.Dataset, read into memory.
+        """Return history, patches and all snapshots, read into memory.
 
-        Dimensions step, distance (of the snapshots), x, y, track_x, patch; units in the attributes.
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions step, distance (of the snapshots), x, y, track_x, patch; units in the attributes.
+
+        Raises
+        ------
+        InputError
+            Where xarray is not installed.
         """
         return to_xarray(self)
 
     def export(self, folder: str | Path, **options: Any) -> list[Path]:
-        """Write worn bodies and fields into a folder for other software; returns the paths.
+        """Write worn bodies and fields into a folder for other software.
 
-        options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, overwrite,
-        as `warpwear export` has them. Raises InputError.
+        Parameters
+        ----------
+        folder : path
+            Where to.
+        **options
+            formats, such as ``["vti", "x3p"]``; snapshot, bodies, fields, points, overwrite, as `warpwear
+            export` has them.
+
+        Returns
+        -------
+        list of Path
+            Of all files.
+
+        Raises
+        ------
+        InputError
+            For what is not known or not there, and for files that are there.
         """
         return resolve(EXPORT)(self, folder, **options)
 
@@ -129,6 +187,12 @@ class Result(ResultFile):
     def _repr_html_(self) -> str:
         """Draw a notebook's view of the result."""
         return _to_html(self)
+
+
+def opened(result: Result | str | Path) -> AbstractContextManager[Result]:
+    """Open the result in a folder, closed at the end; one in memory is given as it is. Raises InputError."""
+    in_memory = isinstance(result, Result) and result.folder is None
+    return nullcontext(result) if in_memory else Result.open(result)
 
 
 def _to_html(result: Result) -> str:

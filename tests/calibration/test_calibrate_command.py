@@ -133,7 +133,7 @@ def test_a_list_of_tests_serves_the_command_and_python(tmp_path: Path) -> None:
     path.write_text("\n".join(lines), encoding="utf-8")
     found = record("wear", path, "--source", "volume_disc")
     k = warpwear.calibrate_wear(tests, source="volume_disc")
-    assert found == json.loads(json.dumps(k.to_dict()))
+    assert found == json.loads(json.dumps(k.numbers))
     assert found["load_N"] == [8.0, 4.0]
     assert found["worn"] == "disc"
     values, errors = np.array(k.values), np.array(k.errors)

@@ -91,7 +91,7 @@ def test_the_command_draws_the_craters(tmp_path: Path) -> None:
     options = [str(path), "--source", "coat", "--load", f"{LOAD} N", "--figure", str(figure)]
     done = CliRunner().invoke(wear, [*options, "--json"])
     assert done.exit_code == 0, done.exception
-    assert json.loads(done.output) == warpwear.calibrate_coat(tables, **ALIKE).to_dict()
+    assert json.loads(done.output) == warpwear.calibrate_coat(tables, **ALIKE).numbers
     assert figure.stat().st_size > 1000
 
 

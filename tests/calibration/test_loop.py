@@ -62,7 +62,7 @@ def strip_in(folder: Path) -> Path:
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
 def test_what_made_a_loop_comes_back(noise: float, tmp_path: Path) -> None:
     file = written(tmp_path / "loop.csv", slide=0.024, rig=2e-4, noise=noise)
-    told = calibrate_loop(file, study=study_in(tmp_path)).to_dict()
+    told = calibrate_loop(file, study=study_in(tmp_path)).numbers
     assert told["coefficient"] == pytest.approx(FRICTION, rel=0.01)
     assert told["stroke_um"] == pytest.approx(48.0, rel=0.02)
     assert told["rig_compliance_um_per_N"] == pytest.approx(0.2, rel=0.05)
@@ -71,7 +71,7 @@ def test_what_made_a_loop_comes_back(noise: float, tmp_path: Path) -> None:
 
 def test_partial_slip_tells_no_coefficient(tmp_path: Path) -> None:
     file = written(tmp_path / "loop.csv", slide=0.0, ratio=0.6)
-    told = calibrate_loop(file, load="20 N").to_dict()
+    told = calibrate_loop(file, load="20 N").numbers
     assert told["coefficient"] is None
     assert told["coefficient_least"] == pytest.approx(0.36, rel=1e-3)
     assert told["energy_ratio"] == pytest.approx(energy_ratio(2 / 3, 0.6), rel=0.01)

@@ -71,7 +71,7 @@ def test_the_energy_of_a_rising_coefficient(tmp_path: Path) -> None:
     np.testing.assert_allclose(energy[1:], 1e-3 * study.contact.load * sums, rtol=1e-12)
     assert cof[0] < 0.5 * cof[-1]
     assert summary["friction_energy_J"] == energy[-1]
-    told = calibrate_energy(result=tmp_path / "run").to_dict()
+    told = calibrate_energy(result=tmp_path / "run").numbers
     assert told["energy_J"] == pytest.approx(energy[-1], rel=1e-12)
     assert told["wear_mm3_per_J"]["disc"] == pytest.approx(history["wear_volume_disc"][-1] / energy[-1])
     step = next(iter(warpwear.steps(study)))

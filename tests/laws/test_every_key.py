@@ -297,7 +297,7 @@ def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
     if refusal(pair, "calibrate friction", lambda: calibrate_friction(**how)):
         return
     area = study.friction.area
-    told = calibrate_friction(**how).to_dict()["areas"][area]
+    told = calibrate_friction(**how).numbers["areas"][area]
     for when, place in (("initial", 0), ("end", -1)):
         strength = f"{told[f'shear_strength_{when}_MPa']!r} MPa"
         keys = {"friction.law": "shear-strength", "friction.shear_strength": strength}

@@ -6,10 +6,11 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+from warpwear.batches.cluster import connected
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import task_of
 from warpwear.batches.run_one import Row, Task, is_there, run_one
@@ -49,22 +50,16 @@ class Count:
         return f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone{left}"
 
 
-def make_all(
-    plan: Plan, folder: Path, *, executor: Executor | None = None, workers: int | None = None
-) -> list[Row]:
-    """Make the runs of a plan and log each; see `make_runs`.
+def make_all(plan: Plan, folder: Path) -> list[Row]:
+    """Make the runs of a plan by processes here, one a core, and log each; see `make_runs`."""
+    with local_executor(plan) as (pool, threads, _):
+        return make_runs(plan, folder, pool, threads=threads, **logging_each(plan))
 
-    executor: by default `workers` processes here, one a core. Raises InputError for one that is none.
-    """
-    if executor is not None and not callable(getattr(executor, "submit", None)):
-        raise InputError(
-            f"executor = {executor!r}: an object with submit(), as in concurrent.futures, is expected."
-        )
-    here = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
+
+def logging_each(plan: Plan) -> dict[str, Any]:
+    """Return the calls of `make_runs` that log each run and warn."""
     count = Count(len(plan.points))
-    calls: Any = {"on_row": lambda _, row: LOG.info(count.one(row)), "on_warning": warn}
-    with here as (pool, threads, _):
-        return make_runs(plan, folder, pool, threads=threads, **calls)
+    return {"on_row": lambda _, row: LOG.info(count.one(row)), "on_warning": warn}
 
 
 def make_runs(
@@ -146,20 +141,19 @@ def _row(future: "Future[Row]") -> Row:
 
 
 def estimate(
-    plan: Plan, folder: Path | None, executor: Executor, *, threads: int | None = None, workers: int = 1
+    plan: Plan, folder: Path, executor: Executor, *, threads: int | None = None, workers: int = 1
 ) -> str:
     """Make the first run that is not there yet, and say from it what all of them will cost.
 
-    folder: of the sweep, which keeps that run; None makes it in a place of its own.
+    folder: of the sweep, which keeps that run.
     """
     runs = {point.run: point for point in plan.points if point.study is not None}
-    missing = [name for name in runs if folder is None or not is_there(folder / RUNS / name)]
+    missing = [name for name in runs if not is_there(folder / RUNS / name)]
     seconds, size = 0.0, 0
     if missing:
-        with opened_folder(None) if folder is None else nullcontext(folder) as place:
-            task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-            seconds = _row(_submitted(executor, task)).seconds
-            size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
+        task = task_of(runs[missing[0]], folder / RUNS, device=plan.device, threads=threads)
+        seconds = _row(_submitted(executor, task)).seconds
+        size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     there = len(runs) - len(missing)
     to_do, already = len(plan.points) - there, f", {there} of them there already" if there else ""
     return (
@@ -224,9 +218,35 @@ def opened_folder(out: Path | None) -> Iterator[Path]:
         yield out
 
 
+def executor_for(
+    plan: Plan,
+    *,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    insecure: bool = False,
+    workers: int | None = None,
+    gpus: Literal["all"] | None = None,
+) -> AbstractContextManager[tuple[Executor, int, int]]:
+    """Give the executor that was asked for, the threads of a run, and the number of workers.
+
+    By default they are `workers` processes here, see `local_executor`. Raises InputError for what is none, or
+    does not go together.
+    """
+    if executor is not None:
+        if not callable(getattr(executor, "submit", None)):
+            expected = "an object with submit(), as in concurrent.futures, is expected."
+            raise InputError(f"executor = {executor!r}: {expected}")
+        return nullcontext((executor, 1, 1))
+    if cluster is None:
+        return local_executor(plan, workers=workers, gpus=gpus is not None)
+    if workers is not None or gpus is not None:
+        raise InputError("--cluster excludes --workers and --gpus: its own workers make the runs.")
+    return connected(cluster, insecure=insecure, device=plan.device)
+
+
 @contextmanager
 def local_executor(
-    plan: Plan, *, workers: int | None, gpus: bool = False
+    plan: Plan, *, workers: int | None = None, gpus: bool = False
 ) -> Iterator[tuple[Executor, int, int]]:
     """Workers of this machine, by default one a core or one a GPU; the threads of a run; their number.
 

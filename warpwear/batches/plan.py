@@ -64,15 +64,17 @@ class Plan:
 
 
 def read_plan(
-    path_or_preset: str | Path, changes: Mapping[str, Any], options: Mapping[str, Any], *, device: str
+    study: Study | str | Path, changes: Mapping[str, Any], options: Mapping[str, Any], *, device: str
 ) -> Plan:
     """Read the plan of a study file with a section [sweep], or of a study and options beside it.
 
     changes: of keys of the study. options: of the section, by its keys; "vary" adds to the file's.
     """
-    sections = loading.read_sections(path_or_preset)
-    section = sections.pop(SECTION, {})
-    return Plan(Study(**sections).replace(changes), section_of(section, options), device=device)
+    section: Any = {}
+    if not isinstance(study, Study):
+        sections = loading.read_sections(study)
+        section, study = sections.pop(SECTION, {}), Study(**sections)
+    return Plan(study.replace(changes), section_of(section, options), device=device)
 
 
 def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:
@@ -82,5 +84,5 @@ def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:
     if isinstance(section.get("vary", {}), Mapping):
         # Unquoted dots make tables in tables of TOML; {positions = 12} is a value.
         vary = dotted(section.get("vary", {}), whole="positions")
-        more["vary"] = {**vary, **options.get("vary", {})}
+        more["vary"] = {**vary, **dotted(options.get("vary", {}), whole="positions")}
     return SweepSection.model_validate(read_section(SECTION, SweepSection, {**section, **more}))

@@ -6,20 +6,17 @@ What coat and substrate lose adds up: F L = V_c/K_c + V_s/K_s, so that F L/V_c o
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from warpwear.calibration.measurements import MeasuredTest, Tests, in_file, tests_of
-from warpwear.calibration.outcome import Calibration
+from warpwear.calibration.measurements import MeasuredTest, Tests, checked_tests
 from warpwear.calibration.wear import cap
 from warpwear.errors import InputError, named_in_python
 from warpwear.figures import describe
 from warpwear.figures.describe import DOT, Axis, Chart, Line, Look
-from warpwear.figures.paint import paint
 from warpwear.grid import FloatArray
+from warpwear.measured.report import Report
 from warpwear.results.report import Row, scientific
 
 #: Places of the posterior along each of its axes, and how far they reach [standard deviations].
@@ -39,7 +36,7 @@ class Coefficient(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class CoatCalibration(Calibration):
+class CoatCalibration(Report):
     """Hold wear coefficients of a coat and of the substrate beneath.
 
     Attributes
@@ -87,8 +84,8 @@ class CoatCalibration(Calibration):
             for work, coat, substrate in zip(self.work, *self.volumes, strict=True)
         ]
 
-    def plot(self) -> Figure:
-        """Draw F L/V_c of the craters over V_s/V_c, on the line of both medians."""
+    def _declared(self) -> describe.Figure:
+        """Declare F L/V_c of the craters over V_s/V_c, on the line of both medians."""
         coat, substrate = self.volumes
         ratio, across = substrate / coat, np.array([0.0, 1.05 * float((substrate / coat).max())])
         line = 1e-3 * (1.0 / self.coat.median + across / self.substrate.median)
@@ -96,7 +93,7 @@ class CoatCalibration(Calibration):
         lines.append(Line(across, line, "by both K", Look(describe.CONTACT)))
         across_axis = Axis("volumes of substrate and coat, V_s/V_c", low=0.0)
         chart = Chart("", across_axis, Axis("F L/V_c, N·m/mm³", low=0.0), lines)
-        return paint(describe.Figure([chart], legend=2))
+        return describe.Figure([chart], legend=2)
 
 
 @named_in_python()
@@ -136,8 +133,7 @@ def calibrate_coat(tests: Tests, **alike: Any) -> CoatCalibration:
     >>> warpwear.calibrate_coat(tests, load="0.4 N", radius="12.5 mm")
     <wear coefficients of coat 3.130e-4 mm³/(N·m) and substrate 5.203e-4 mm³/(N·m)>
     """
-    tables = in_file(tests)[1] if isinstance(tests, str | Path) else tests
-    craters = [_crater(test, f"test.{n}") for n, test in enumerate(tests_of(tables, **alike), 1)]
+    craters = [_crater(test, named) for named, test in checked_tests(tests, **alike).items()]
     if len(craters) < FEWEST:
         raise InputError(f"two coefficients need {FEWEST} craters at least; given: {len(craters)}")
     work, error, coat, substrate, *spread = np.array(craters).T

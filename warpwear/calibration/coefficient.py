@@ -1,20 +1,17 @@
 """The wear coefficient K = V/(F L) of one worn body, from one kind of measurement in one test or several."""
 
 import math
-import statistics
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from warpwear.calibration.measurements import Tests, Value, conditions_of, in_file, tests_of, weighted
-from warpwear.calibration.outcome import Calibration
+from warpwear.calibration.measurements import Tests, Value, checked_tests
+from warpwear.calibration.repeated import Repeated
 from warpwear.calibration.wear import LARGEST, WornVolume
 from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.options import optional
 from warpwear.results.report import Row, scientific, times
-from warpwear.study.study import Study
 
 #: ASTM test methods: sources they go with, and what they take for granted.
 STANDARDS = {
@@ -26,7 +23,7 @@ STANDARDS = {
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class WearCalibration(Calibration):
+class WearCalibration(Repeated):
     """Wear coefficients K [mm²/N] (1e-3 mm³/(N·m), 1e-6 Pa) of one worn body, of one or several tests.
 
     Attributes
@@ -74,29 +71,6 @@ class WearCalibration(Calibration):
         return tuple(errors)
 
     @property
-    def mean(self) -> float:
-        """K [mm²/N]: the mean over the tests."""
-        return statistics.fmean(self.values)
-
-    @property
-    def deviation(self) -> float | None:
-        """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
-        return statistics.stdev(self.values) if len(self.values) > 1 else None
-
-    @property
-    def uncertainty(self) -> float | None:
-        """Standard uncertainty of `mean` [mm²/N]: from the scatter of several, else of the single one."""
-        return self.errors[0] if self.deviation is None else self.deviation / math.sqrt(len(self.values))
-
-    @property
-    def weighted(self) -> tuple[float, float, float] | None:
-        """Return the mean by 1/u² of the tests, its standard uncertainty [mm²/N], and Birge's ratio.
-
-        None where an uncertainty is not known, and of a single test.
-        """
-        return weighted(self.values, self.errors)
-
-    @property
     def dimensionless(self) -> float | None:
         """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
         return None if self.hardness is None else self.mean * self.hardness
@@ -132,21 +106,11 @@ class WearCalibration(Calibration):
             Row("", "count", count),
             Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
             Row("", "standard_error_mm3_per_Nm", times(1e3, error) if count > 1 else None),
-            *self._weighted(),
+            *self._weighted("_mm3_per_Nm", factor=1e3, scientific=True),
             Row("", "uses", "exact"),
             Row("in a study", "", in_study),
             Row("", "tests", self._table()),
         ]
-
-    def _weighted(self) -> list[Row]:
-        """Declare the mean by the uncertainties of several tests themselves."""
-        if self.weighted is None:
-            return []
-        mean, error, ratio = self.weighted
-        note = f"by 1/u² of each; the tests scatter {ratio:.2g} times as much as their uncertainties say"
-        key, uncertainty = "weighted_mean_mm3_per_Nm", ("weighted_uncertainty_mm3_per_Nm", 1e3 * error)
-        k = Row("weighted", key, 1e3 * mean, error=uncertainty, note=note, scientific=True)
-        return [k, Row("", "birge_ratio", ratio)]
 
     def _table(self) -> list[list[Row]]:
         return [self._row(test) for test in range(len(self.volumes))]
@@ -251,13 +215,9 @@ def calibrate_wear(
     >>> warpwear.calibrate_wear(tests=volumes, load="8 N", distance="2400 mm")
     <wear coefficient K = (1.016 ± 0.078)e-3 mm³/(N·m), tests: 2>
     """
-    if isinstance(tests, str | Path):
-        sections, tests = in_file(tests)
-        own = {name: sections[name] for name in sections.keys() - {"infer", "sweep"}}
-        alike = (conditions_of(Study(**own)) if own else {}) | alike
     if source not in (None, *SOURCES):
         raise InputError(f"--source = {source!r} is not allowed; allowed: {', '.join(SOURCES)}")
-    checked = {f"test.{number}": test for number, test in enumerate(tests_of(tests, **alike), 1)}
+    checked = checked_tests(tests, **alike)
     every = ((named, name) for named, test in checked.items() for name in sources_of(test))
     measured = [(named, name) for named, name in every if source in (None, name)]
     labels: dict[str, str] = {}

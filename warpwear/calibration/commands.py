@@ -11,7 +11,7 @@ from warpwear.calibration import worn
 from warpwear.calibration.coat import calibrate_coat
 from warpwear.calibration.coefficient import calibrate_wear
 from warpwear.calibration.strength import calibrate_friction
-from warpwear.errors import InputError, explained
+from warpwear.errors import InputError
 from warpwear.measured.options import Options, flag, quantity
 from warpwear.measured.surface import Preparation
 from warpwear.results.report import to_json
@@ -27,7 +27,7 @@ _KEY = re.compile(r"\btest\.\d+\.(\w+)")
 def printed(function: Callable[..., Any], *, as_json: bool, **options: Any) -> str:
     """Return what a calibration comes to, for people or as JSON; its sentences name options."""
     outcome = unwrap(function)(**options)
-    return to_json(outcome.to_dict()) if as_json else str(outcome)
+    return to_json(outcome.numbers) if as_json else str(outcome)
 
 
 def friction(*, experiments: Sequence[Path] = (), **options: Any) -> str:
@@ -51,9 +51,8 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
     if o["--source"] == "coat" and file is not None:
         outcome = calibrate_coat(file, **{key[2:]: o[key] for key in ("--load", "--distance") if o[key]})
         if figure is not None:
-            with explained(f"--figure {figure} cannot be written"):
-                outcome.plot().savefig(figure)
-        return to_json(outcome.to_dict()) if as_json else str(outcome)
+            outcome.save_figure(figure, overwrite=True)
+        return to_json(outcome.numbers) if as_json else str(outcome)
     o.refuse("--figure", why="is for FILE with --source coat")
     sources = {option: _with_errors(option, o[option], o["--uncertainty"]) for option in SOURCES if o[option]}
     if o["--diameter"] is not None:

@@ -7,20 +7,24 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.calibration.outcome import Calibration
+from warpwear.calibration.measurements import Tests
+from warpwear.calibration.repeated import TestsCalibration, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.laws.archard import BODIES
 from warpwear.measured.options import COF, Options, number, quantity
-from warpwear.result import Result
+from warpwear.measured.report import Report
+from warpwear.result import Result, opened
 from warpwear.results.report import Row, lines, table
 from warpwear.study.units import several
 
 #: Speeds that are shown where none is named.
 SPEEDS = ("10 mm/min", "20 mm/min", "50 mm/min", "100 mm/min")
+#: Key of a test -> option.
+KEYS = {"friction": "cof", "load": "load", "distance": "distance", "area": "area"}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class EnergyCalibration(Calibration):
+class EnergyCalibration(Report):
     """Hold the energy that friction dissipates, which is the same at every speed.
 
     Attributes
@@ -53,8 +57,13 @@ class EnergyCalibration(Calibration):
         """Coefficient of friction, mean over the distance."""
         return 1e3 * self.energy / (self.load * self.distance)
 
+    @property
+    def headline(self) -> Row:
+        """Declare the energy."""
+        return Row("energy", "energy_J", self.energy, digits=5)
+
     def _title(self) -> str:
-        return f"dissipated energy ∫ μ F dL = {Row('', 'energy_J', self.energy, digits=5).text}"
+        return f"dissipated energy ∫ μ F dL = {self.headline.text}"
 
     def _table(self) -> list[list[Row]]:
         return [self.at(speed) for speed in self.speeds]
@@ -94,6 +103,7 @@ class EnergyCalibration(Calibration):
 
 @named_in_python()
 def calibrate_energy(
+    tests: Tests | None = None,
     *,
     result: Result | str | Path | None = None,
     load: Any = None,
@@ -101,11 +111,15 @@ def calibrate_energy(
     cof: float | None = None,
     area: Any = None,
     speeds: Sequence[Any] = SPEEDS,
-) -> EnergyCalibration:
+) -> EnergyCalibration | TestsCalibration:
     """Find the energy that friction dissipates in a run, or by a constant coefficient.
 
     Parameters
     ----------
+    tests : list of dict, or path, optional
+        One a test: ``friction``, such as ``"0.6 +- 0.02"``, with ``load`` and ``distance``. The keys are
+        those of ``[[test]]``, which docs/reference/keys.md explains; a path is that of a TOML file with such
+        a list, maybe in a study, whose load and distance hold.
     result : Result or path, optional
         A run, or its folder, or else:
     load, distance : str, optional
@@ -119,8 +133,8 @@ def calibrate_energy(
 
     Returns
     -------
-    EnergyCalibration
-        The energy, and a row a speed.
+    EnergyCalibration or TestsCalibration
+        The energy, and a row a speed. Of a list of tests each, their mean and scatter.
 
     Raises
     ------
@@ -133,11 +147,13 @@ def calibrate_energy(
     <dissipated energy ∫ μ F dL = 11.52 J>
     """
     o = Options(result=result, load=load, distance=distance, cof=cof, area=area)
+    if tests is not None:
+        return each_test(calibrate_energy, tests, KEYS, o | {"speeds": speeds})
     each = tuple(quantity("--speed", text, "mm/s") for text in several(speeds or SPEEDS))
     if result is not None:
         why = "and --result exclude each other: the run has its own"
         o.refuse("--load", "--distance", "--cof", "--area", why=why)
-        return _of_run(Path(result), each)
+        return _of_run(result, each)
     force, slid = o.load, o.distance
     if cof is None:
         raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
@@ -153,10 +169,10 @@ def calibrate_energy(
     )
 
 
-def _of_run(folder: Path, speeds: Sequence[float]) -> EnergyCalibration:
+def _of_run(run: Result | str | Path, speeds: Sequence[float]) -> EnergyCalibration:
     """Find what a run dissipates, and what it wears. Raises InputError."""
-    with Result.open(folder) as result:
-        history, finished = result.history, result.finished
+    with opened(run) as result:
+        history, finished, folder = result.history, result.finished, result.name
     slid, cof = float(history["distance"][-1]), history["cof"]
     if slid == 0.0:
         raise InputError(f"{folder} is a static contact: nothing slides, and no energy is dissipated")

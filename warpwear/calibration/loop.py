@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.calibration.outcome import Calibration
+from warpwear.calibration.measurements import Tests
+from warpwear.calibration.repeated import TestsCalibration, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import choose
 from warpwear.measured.options import Options
 from warpwear.measured.record import read_record
+from warpwear.measured.report import Report
 from warpwear.results.report import Row, times
 from warpwear.study.study import Study
 
@@ -23,10 +25,12 @@ FEWEST, FEWEST_STRAIGHT = 20, 4
 PARTIAL = 0.2
 #: Energy over Q Δ up to which a line that is gone to and fro has one, by rounding.
 ROUNDING = 1.0e-9
+#: Key of a test -> option.
+KEYS = {"loop": "tests", "load": "load"}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class LoopCalibration(Calibration):
+class LoopCalibration(Report):
     """Hold what one cycle of fretting tells.
 
     Attributes
@@ -69,6 +73,13 @@ class LoopCalibration(Calibration):
     def rig(self) -> float | None:
         """Return the compliance of the rig [mm/N]; None where that of the contact is not known."""
         return None if self.contact is None else max(self.compliance - self.contact, 0.0)
+
+    @property
+    def headline(self) -> Row:
+        """Declare the coefficient of friction. Raises InputError for partial slip, which tells none."""
+        if self.coefficient is None:
+            raise InputError(f"{self.source} is a loop of partial slip, which tells no coefficient")
+        return Row("coefficient", "coefficient", self.coefficient)
 
     def _title(self) -> str:
         return f"one cycle of {self.points} points"
@@ -113,14 +124,17 @@ class LoopCalibration(Calibration):
 
 @named_in_python()
 def calibrate_loop(
-    file: str | Path, *, study: Study | str | Path | None = None, load: Any = None
-) -> LoopCalibration:
+    tests: Tests, *, study: Study | str | Path | None = None, load: Any = None
+) -> LoopCalibration | TestsCalibration:
     """Find coefficient of friction, slip and compliance of the rig from one cycle of fretting.
 
     Parameters
     ----------
-    file : path
-        A table with a displacement and a friction force, of one whole cycle.
+    tests : path, or list of dict
+        A table with a displacement and a friction force, of one whole cycle. Or a list with one a test:
+        ``loop``, such a file, and without `study` ``load``; the keys are those of ``[[test]]``, which
+        docs/reference/keys.md explains. A path that ends in .toml is that of a file with such a list, maybe
+        in a study, whose load holds.
     study : Study, path or name of a preset, optional
         Whose load and bodies hold; what its contact yields is told apart from the rig.
     load : str, optional
@@ -128,13 +142,13 @@ def calibrate_loop(
 
     Returns
     -------
-    LoopCalibration
-        The numbers of the cycle.
+    LoopCalibration or TestsCalibration
+        The numbers of the cycle. Of a list of tests each, and mean and scatter of the coefficient.
 
     Raises
     ------
     InputError
-        For a file without such columns, and for what is no whole cycle.
+        For a file without such columns, for what is no whole cycle, and in a list for partial slip.
 
     References
     ----------
@@ -155,9 +169,11 @@ def calibrate_loop(
     known = study if study is None or isinstance(study, Study) else Study.load(study)
     if known is not None and known.is_line:
         raise InputError(f"--study {study} is a line contact: type --load, that of all of it, instead")
-    place, friction = _read(Path(file))
+    if not isinstance(tests, str | Path) or Path(tests).suffix == ".toml":
+        return each_test(calibrate_loop, tests, KEYS, {"load": load, "study": known})
+    place, friction = _read(Path(tests))
     normal = Options(load=load).load if known is None else known.contact.load
-    return _of_loop(place, friction, source=str(file), load=normal, contact=_of_contact(known))
+    return _of_loop(place, friction, source=str(tests), load=normal, contact=_of_contact(known))
 
 
 def _read(file: Path) -> tuple[FloatArray, FloatArray]:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias
 from pydantic import ConfigDict, GetCoreSchemaHandler, InstanceOf
 from pydantic_core import CoreSchema, core_schema
 
+from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.study import loading
 from warpwear.study.keys import Length, Section, declarations, key
@@ -23,6 +24,8 @@ _WRITTEN = re.compile(
     r"\(?\s*(?P<value>\S+)(?:\s+(?P<own>[^\s±+][^±+]*?))?\s*(?:\+-|±)\s*(?P<error>[^\s)]+)\s*\)?(?P<unit>.*)"
 )
 _AT = re.compile(r"(?P<value>.*)\bat\s+(?P<at>\S.*)")
+#: A load, or a length, that differs by more than this part from the study's is of another test.
+OFF = 0.05
 
 
 class Value(NamedTuple):
@@ -104,6 +107,7 @@ class MeasuredTest(Section):
     volume: Volume = key(None, "worn volume of either body, for `calibrate wear`")
     volume_counter: Volume = key(None, "worn volume of the ball")
     volume_disc: Volume = key(None, "worn volume of the disc")
+    area: Area = key(None, "area that shears, for `calibrate friction` without a run")
     volume_coat: Volume = key(None, "worn volume of a coat, for `calibrate wear --source coat`")
     volume_substrate: Volume = key(None, "worn volume of what lies beneath the coat")
     crater: Scar = key(None, "diameters of a ball's crater, and of the substrate in it")
@@ -114,6 +118,7 @@ class MeasuredTest(Section):
     sq_disc: Height = key(None, "Sq in the scar of the disc")
     friction: Ratio = key(None, "coefficient of friction")
     record: File | InstanceOf[Experiment] = key(None, "file of a course of friction", is_file=True)
+    loop: File = key(None, "file of one cycle of fretting, for `calibrate loop`", is_file=True)
     profile: File = key(None, "file of a profile across the track, or of its topography", is_file=True)
     after: File = key(None, "file of the topography of the disc's scar; needs `before`", is_file=True)
     before: File = key(
@@ -147,6 +152,31 @@ def in_file(path: str | Path) -> tuple[dict[str, Any], Any]:
             if isinstance(test[name], str):
                 test[name] = Path(path).parent / test[name]
     return sections, tests
+
+
+def checked_tests(tests: Tests, **alike: Any) -> dict[str, MeasuredTest]:
+    """Check tests, by what sentences call them; those in a file have what the study around them says.
+
+    alike: keys that all of them have. Raises InputError.
+    """
+    if isinstance(tests, str | Path):
+        sections, tests = in_file(tests)
+        own = {name: sections[name] for name in sections.keys() - {"infer", "sweep"}}
+        alike = (conditions_of(Study(**own)) if own else {}) | alike
+    return {f"test.{number}": test for number, test in enumerate(tests_of(tests, **alike), 1)}
+
+
+def check_conditions(test: MeasuredTest, named: str, study: Study) -> None:
+    """Raise InputError for a test that is not the study's own."""
+    own = tests_of([conditions_of(study)])[0]
+    for name in ("load", "distance", "radius", "length", "track_radius"):
+        here, there = getattr(test, name), getattr(own, name)
+        if isinstance(here, Value):
+            if here.error is not None:
+                raise InputError(f"{named}.{name} has an uncertainty: allowed is an exact one beside a study")
+            here, there = here.value, there.value
+        if None not in (here, there) and not math.isclose(here, there, rel_tol=OFF):
+            raise InputError(f"{named}.{name} is {here:g}, and the study has {there:g}: they have to agree")
 
 
 def conditions_of(study: Study) -> dict[str, Any]:

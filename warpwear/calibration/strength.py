@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
-from warpwear.calibration.outcome import Calibration
+from warpwear.calibration.measurements import Tests
+from warpwear.calibration.repeated import TestsCalibration, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import COF, PLOUGHING, Options, number, quantity
-from warpwear.result import Result
+from warpwear.measured.report import Report
+from warpwear.result import Result, opened
 from warpwear.results.report import Row, lines, table
 from warpwear.study.study import Study
 
@@ -25,11 +27,13 @@ WORDS = {
     "nominal": "nominal (the scar as an ellipse)",
 }
 INDEPENDENT = "points scatter as much: the errors allow for scatter that goes together"
+#: Key of a test -> option.
+KEYS = {"friction": "cof", "record": "experiment", "load": "load", "area": "area"}
 ADVICE = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class FrictionCalibration(Calibration):
+class FrictionCalibration(Report):
     """Hold shear strengths τ0 of μ = μ_p + τ0 A/F.
 
     Attributes
@@ -39,14 +43,23 @@ class FrictionCalibration(Calibration):
         ``hardness`` for H/(3√3).
     fit : FrictionFit or None
         Of a course of friction: `shear_strength`, `ploughing`, their standard errors, and `doubts`.
+    main : str
+        Name of that by which friction goes: of a run by its law's area, at the time that fixes it.
     """
 
     shear_strengths: Mapping[str, float]
     fit: FrictionFit | None = None
+    main: str
     title: str
     rows: tuple[Row, ...]
     areas: Mapping[str, list[Row]] = field(default_factory=dict)
     after: tuple[Row, ...] = ()
+
+    @property
+    def headline(self) -> Row:
+        """Declare τ0, of a course with its standard error."""
+        error = None if self.fit is None else self.fit.shear_strength_error
+        return Row("τ0", "shear_strength_MPa", self.shear_strengths[self.main], error=error)
 
     def _title(self) -> str:
         return self.title
@@ -72,6 +85,7 @@ class FrictionCalibration(Calibration):
 
 @named_in_python()
 def calibrate_friction(
+    tests: Tests | None = None,
     *,
     result: Result | str | Path | None = None,
     cof: float | None = None,
@@ -82,11 +96,15 @@ def calibrate_friction(
     columns: str | None = None,
     stroke: Any = None,
     speed: Any = None,
-) -> FrictionCalibration:
+) -> FrictionCalibration | TestsCalibration:
     """Find the shear strength τ0 of μ = μ_p + τ0 A/F from a measured coefficient or course.
 
     Parameters
     ----------
+    tests : list of dict, or path, optional
+        One a test: ``friction``, such as ``"0.6 +- 0.02"``, or ``record``, the file of a course, and without
+        `result` ``load`` and ``area``. The keys are those of ``[[test]]``, which docs/reference/keys.md
+        explains; a path is that of a TOML file with such a list, maybe in a study, whose load holds.
     result : Result or path, optional
         A run, or its folder, whose areas are taken.
     cof, ploughing : float, optional
@@ -103,8 +121,8 @@ def calibrate_friction(
 
     Returns
     -------
-    FrictionCalibration
-        Shear strengths [MPa]; of a course its fit.
+    FrictionCalibration or TestsCalibration
+        Shear strengths [MPa]; of a course its fit. Of a list of tests each, their mean and scatter.
 
     Raises
     ------
@@ -119,8 +137,14 @@ def calibrate_friction(
     --------
     >>> warpwear.calibrate_friction(area="1.254 mm^2", load="8 N", cof=0.6)
     <shear strengths [MPa]: given 3.828>
+    >>> repeats = [{"friction": "0.6 +- 0.02"}, {"friction": "0.63 +- 0.02"}]
+    >>> warpwear.calibrate_friction(repeats, area="1.254 mm^2", load="8 N")
+    <τ0 of 2 tests: 3.923 ± 0.096 MPa (standard uncertainty)>
     """
-    o = Options(load=load, cof=cof, ploughing=ploughing, columns=columns, stroke=stroke, speed=speed)
+    o = Options(result=result, cof=cof, ploughing=ploughing, area=area, load=load, experiment=experiment)
+    o |= {"columns": columns, "stroke": stroke, "speed": speed}
+    if tests is not None:
+        return each_test(calibrate_friction, tests, KEYS, o)
     if result is not None:
         o.refuse("--load", why="and --result exclude each other: the run has its load")
         if area is not None and area not in WORDS:
@@ -130,7 +154,7 @@ def calibrate_friction(
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
         o.refuse("--cof", "--ploughing", why="and --experiment exclude each other: the fit finds it")
         reading = {"stroke": o.optional("--stroke", "mm"), "speed": o.optional("--speed", "mm/s")}
-        return _of_curve(Path(experiment), Path(result), area, reading | {"columns": columns})
+        return _of_curve(Path(experiment), result, area, reading | {"columns": columns})
     o.refuse("--columns", "--stroke", "--speed", why="needs --experiment: it says how that file is read")
     if cof is None:
         raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
@@ -139,7 +163,7 @@ def calibrate_friction(
     if measured <= offset:
         raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
     if result is not None:
-        return _of_run(Path(result), measured, None if ploughing is None else offset, area)
+        return _of_run(result, measured, None if ploughing is None else offset, area)
     if area is None or load is None:
         raise InputError("the area is missing: --result, or --area and --load such as '1.254 mm^2' '8 N'")
     return _of_area(area, load, measured, offset)
@@ -155,7 +179,7 @@ def _of_area(area: Any, load: Any, cof: float, ploughing: float) -> FrictionCali
     study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
     rows = *_test_rows(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study
     title = f"shear strength τ0 = (μ0 − μ_p) F/A = {strength.text} (thesis eq 4.19)"
-    return FrictionCalibration(shear_strengths={"given": tau}, title=title, rows=rows)
+    return FrictionCalibration(shear_strengths={"given": tau}, main="given", title=title, rows=rows)
 
 
 def _test_rows(load: float, cof: float, ploughing: float) -> list[Row]:
@@ -167,13 +191,15 @@ def _test_rows(load: float, cof: float, ploughing: float) -> list[Row]:
     ]
 
 
-def _of_run(folder: Path, cof: float, ploughing: float | None, area: str | None) -> FrictionCalibration:
+def _of_run(
+    run: Result | str | Path, cof: float, ploughing: float | None, area: str | None
+) -> FrictionCalibration:
     """Declare τ0 from the areas of a run, at its start and at its end.
 
     ploughing: None for the run's. area: its name, None for all four.
     """
-    with Result.open(folder) as result:
-        study, history, finished = result.study, result.history, result.finished
+    with opened(run) as result:
+        study, history, finished, folder = result.study, result.history, result.finished, result.name
     load, laps = study.contact.load, study.laps
     ploughing = study.friction.ploughing if ploughing is None else ploughing
     law = _law(study, folder, coefficient=cof, ploughing=ploughing)
@@ -191,17 +217,19 @@ def _of_run(folder: Path, cof: float, ploughing: float | None, area: str | None)
         ]
     ended = "" if finished else ", where it was interrupted"
     head = (
-        Row("", "result", str(folder)),
+        Row("", "result", folder),
         Row("", "finished", finished),
         Row("distance", "distance_mm", float(history["distance"][-1]), digits=6, note=ended),
         *_test_rows(load, cof, ploughing),
     )
     hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
     title = f"shear strength τ0 = (μ0 − μ_p) F/A of {folder} (thesis eq 4.19)"
-    return FrictionCalibration(shear_strengths=taus, title=title, rows=head, areas=sizes, after=(hardness,))
+    main = f"{area or law.area}_{study.friction.calibrate}"
+    parts: Any = {"rows": head, "areas": sizes, "after": (hardness,)}
+    return FrictionCalibration(shear_strengths=taus, main=main, title=title, **parts)
 
 
-def _law(study: Study, folder: Path, **measured: float) -> FrictionLaw:
+def _law(study: Study, folder: str, **measured: float) -> FrictionLaw:
     """Return a run's law of friction with a measured coefficient. Raises InputError where it has no such."""
     study.refuse_blocks("warpwear calibrate friction")
     keys = {"law": "shear-strength", "coefficient": study.friction.coefficient, **measured}
@@ -211,14 +239,16 @@ def _law(study: Study, folder: Path, **measured: float) -> FrictionLaw:
         raise InputError(f"{folder}: {error}") from None
 
 
-def _of_curve(file: Path, folder: Path, area: str | None, reading: dict[str, Any]) -> FrictionCalibration:
+def _of_curve(
+    file: Path, run: Result | str | Path, area: str | None, reading: dict[str, Any]
+) -> FrictionCalibration:
     """Declare the fit of a measured curve with an area of a run.
 
     area: its name, None for the one by which the run's friction goes. reading: what `read_experiment` takes
     about the file beside the run's load. Raises InputError.
     """
-    with Result.open(folder) as result:
-        study, history = result.study, result.history
+    with opened(run) as result:
+        study, history, folder = result.study, result.history, result.name
     load, law = study.contact.load, _law(study, folder, ploughing=0.0)
     area = law.area if area is None else area
     measured = read_experiment(file, load=load, radius=study.same_radius, **reading)
@@ -229,13 +259,13 @@ def _of_curve(file: Path, folder: Path, area: str | None, reading: dict[str, Any
     source = [
         Row("experiment", "experiment", str(file)),
         Row("note", "notes", [*measured.warnings, *measured.notes]),
-        Row("run", "result", str(folder)),
+        Row("run", "result", folder),
         Row("area A", "area", area, sentence=WORDS[area]),
         Row("load F", "load_N", load, digits=6),
     ]
     rows = *source, *_fit_rows(fit), Row("in a study", "", _in_study(fit, area=area))
     title, strengths = "least squares of μ = μ_p + τ0 A/F", {area: fit.shear_strength}
-    return FrictionCalibration(shear_strengths=strengths, fit=fit, title=title, rows=rows)
+    return FrictionCalibration(shear_strengths=strengths, fit=fit, main=area, title=title, rows=rows)
 
 
 def _fit_rows(fit: FrictionFit) -> list[Row]:

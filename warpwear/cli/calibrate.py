@@ -12,6 +12,7 @@ from warpwear.cli.surface import prepared, with_preparation
 
 LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
 DISTANCE = click.option("--distance", metavar="L", help="Total sliding distance, e.g. '2400 mm'.")
+TESTS = click.argument("tests", metavar="[FILE]", type=PATH, required=False)
 RESULT = click.option("--result", metavar="DIR", type=PATH, help="Run folder of `warpwear run`.")
 
 #: The form of a track is that of the unworn part.
@@ -37,7 +38,7 @@ MEASURED = {
     "--volume-counter": ("volume_counter", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
     "--volume-disc": ("volume_disc", "Worn volume of the disc."),
     "--section": ("section", "Mean cross-section of the groove, e.g. '812 +- 30 um^2'."),
-    "--diameter": ("scar", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
+    "--scar": ("scar", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
     "--sq-counter": ("sq_counter", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
     "--sq-disc": ("sq_disc", "Sq in the scar of the disc."),
     "--cof": ("friction", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
@@ -88,6 +89,7 @@ def wear(file: Path | None, **options: Any) -> None:
 
 
 @calibrate.command()
+@TESTS
 @RESULT
 @click.option("--cof", type=float, help="Measured coefficient of friction that fixes τ0.")
 @click.option("--ploughing", type=float, help="Part of it that does not shear, μ_p. [default: 0]")
@@ -109,12 +111,13 @@ def friction(**options: Any) -> None:
     """Find the shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
 
     The areas of a run are contact, touched, cumulative and nominal; a fit uses the run's friction.area unless
-    told otherwise.
+    told otherwise. FILE is a TOML file with tables [[test]] instead: friction, or record, with load and area.
     """
     click.echo(places.calibrations.friction(**options))
 
 
 @calibrate.command()
+@TESTS
 @RESULT
 @LOAD
 @DISTANCE
@@ -123,17 +126,22 @@ def friction(**options: Any) -> None:
 @repeated("--speed", "V", "e.g. '20 mm/min'.", "speeds", default="10, 20, 50, 100 mm/min")
 @AS_JSON
 def energy(**options: Any) -> None:
-    """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
+    """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds.
+
+    FILE is a TOML file with tables [[test]] instead: friction with load and distance.
+    """
     click.echo(places.calibrations.printed(places.energy_of_test.calibrate_energy, **options))
 
 
 @calibrate.command()
-@click.argument("file", type=PATH)
+@click.argument("tests", metavar="FILE", type=PATH)
 @click.option("--study", metavar="STUDY", help="Study with load and bodies, whose contact yields too.")
 @LOAD
 @AS_JSON
 def loop(**options: Any) -> None:
     """Find μ, the slip and the rig's compliance from a cycle of fretting: FILE has displacement and force.
+
+    Or it is a TOML file with tables [[test]], each with such a file, loop, and its load.
 
     The slip is the width at no force. A rig of some compliance, and the contact, yield behind the tips.
     """
@@ -164,7 +172,7 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     \b
     warpwear calibrate bayes v1 --set stepping.scheme=implicit --unknown wear.counter --unknown wear.disc \\
         --unknown friction.shear_strength --experiment test.csv \\
-        --diameter "1.28 +- 0.03 mm" --volume-disc "0.0244 +- 0.002 mm^3" --target wear.counter --out found
+        --scar "1.28 +- 0.03 mm" --volume-disc "0.0244 +- 0.002 mm^3" --target wear.counter --out found
 
     \b
     inference.html    the unknowns, what cannot be told apart, figures, the next test

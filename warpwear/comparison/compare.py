@@ -21,15 +21,35 @@ from warpwear.study.units import several
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ComparedRuns(Comparison):
-    """Runs in groups, experiments and a measured scar are laid beside each other; `print` shows the table."""
+    """Runs in groups, experiments and a measured scar are laid beside each other; `print` shows the table.
+
+    Attributes
+    ----------
+    groups : tuple of Group
+        Runs that are one line, with mean and band.
+    experiments : tuple of Experiment
+        Measured courses of friction.
+    notes : tuple of str
+        What is to be said about them.
+    scar : ScarComparison or None
+        A measured scar over the computed ones.
+    """
 
     def __repr__(self) -> str:
         return in_python(to_text(self))
 
     def to_dataframe(self) -> Any:
-        """Return the values as a pandas.DataFrame: a row a group of runs or an experiment, units in `attrs`.
+        """Return the values as a table.
 
-        Raises InputError where pandas is not installed.
+        Returns
+        -------
+        pandas.DataFrame
+            A row a group of runs or an experiment, units in ``attrs``.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
         """
         frame = package("pandas", "to_dataframe").DataFrame.from_dict(values_of(self), orient="index")
         frame.attrs["units"] = UNITS

@@ -29,18 +29,33 @@ class Certificate:
     t is the gap after deformation, from the mean planes, so that t − λ is what lies between the bodies. The
     conditions are t = λ where 0 < p < H, t ≥ λ where p = 0 and t ≤ λ where p = H.
 
-    violation: largest breach of these, over the rms height of the gap before contact; allowed: what may be
-    left of it, the tolerance or, where that is more, what rounding shows. penetration: of the bodies where
-    p < H, deepest, a length. load_residual: load over the one asked for, − 1; 0 at an approach.
-    beyond_bounds: by how much a pressure is negative or exceeds H. relative_gap: energy_gap over load times
-    rms height. level: the λ' below, the largest of several parts.
+    Attributes
+    ----------
+    violation : float
+        Largest breach of these, over the rms height of the gap before contact.
+    allowed : float
+        What may be left of it, the tolerance or, where that is more, what rounding shows.
+    penetration : float
+        Of the bodies where p < H, deepest, a length.
+    load_residual : float
+        Load over the one asked for, − 1; 0 at an approach.
+    beyond_bounds : float
+        By how much a pressure is negative or exceeds H.
+    energy_gap : float
+        Σ p max(t − λ', 0) + (H − p) max(λ' − t, 0), times the area of a cell, with the λ' that makes it least
+        (without a hardness the smallest t, and the first term alone). No other pressure between the bounds
+        under the same load has an energy that is lower by more.
+    relative_gap : float
+        That over load times rms height.
+    level : float
+        The λ', the largest of several parts.
 
-    energy_gap: Σ p max(t − λ', 0) + (H − p) max(λ' − t, 0), times the area of a cell, with the λ' that makes
-    it least (without a hardness the smallest t, and the first term alone). No other pressure between the
-    bounds under the same load has an energy that is lower by more. For the energy ½ p·Ap + p·g is convex and
-    t = Ap + g its gradient, so that any such q has at least the energy of p plus t·(q − p), which is
-    (t − λ')·(q − p) as Σ q = Σ p; and of that no cell gives less than −p (t − λ') where t > λ' and
-    −(H − p)(λ' − t) where t < λ'. There is no factor ½, as the bound uses the tangent and not the parabola.
+    Notes
+    -----
+    For the energy ½ p·Ap + p·g is convex and t = Ap + g its gradient, so that any such q has at least the
+    energy of p plus t·(q − p), which is (t − λ')·(q − p) as Σ q = Σ p; and of that no cell gives less than
+    −p (t − λ') where t > λ' and −(H − p)(λ' − t) where t < λ'. There is no factor ½, as the bound uses the
+    tangent and not the parabola.
     """
 
     violation: float

@@ -14,7 +14,12 @@ from warpwear.study.study import Study
 class Catalogue:
     """A catalogue has entries by name; `print` shows them.
 
-    entries: by name, the constants of a material, or name, description and model of a preset.
+    Attributes
+    ----------
+    entries : dict
+        Name -> the constants of a material, or name, description and model of a preset.
+    text : str
+        As it is printed.
     """
 
     entries: Mapping[str, Any]
@@ -24,7 +29,18 @@ class Catalogue:
         return self.text
 
     def to_dataframe(self) -> Any:
-        """Return a pandas.DataFrame with a row an entry. Raises InputError where pandas is not installed."""
+        """Return the entries as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row an entry.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
+        """
         return package("pandas", "to_dataframe").DataFrame([vars(one) for one in self.entries.values()])
 
 

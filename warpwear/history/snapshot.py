@@ -20,14 +20,29 @@ LOWERING = tuple(name for name, one in FIELDS.items() if one.lowers and name not
 class Snapshot:
     """Hold the fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
 
-    distance [mm]. pressure [MPa], solved in the step that ends here. wear_counter, wear_disc: depths worn off
-    [mm]. gap [mm], after the step's wear, without elastic deformation. plastic_disc: depth displaced for good
-    [mm], of a swept disc that keeps its dents. load_on_filled: share of the load on points that the disc's
-    file lacks. own: what features have, by the names of cells' quantities: bare, slip, material_disc. They
-    are attributes as the others are, None where a run has none.
-
     Of a swept run the fields of the disc cover the track, shape (rows, ny), whose row number `row` lies under
-    the first row of the others.
+    the first row of the others. What features have are attributes as the others are: bare, slip,
+    material_disc, plastic_disc (depth displaced for good [mm], of a swept disc that keeps its dents); None
+    where a run has none.
+
+    Attributes
+    ----------
+    distance : float
+        Slid so far [mm].
+    pressure : array
+        Solved in the step that ends here [MPa].
+    wear_counter, wear_disc : array
+        Depths worn off [mm].
+    gap : array
+        After the step's wear, without elastic deformation [mm].
+    own : dict
+        What features have, by the names of cells' quantities.
+    row : int or None
+        Of the track under the first row of the others.
+    load_on_filled : float or None
+        Share of the load on points that the disc's file lacks.
+    fresh : frozenset of str
+        Names of fields that no later step changes.
     """
 
     distance: float

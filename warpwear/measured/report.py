@@ -1,8 +1,9 @@
-"""A report is what a person holds of a file of measurements: its numbers, a text and a figure."""
+"""A report is what a person holds of measurements: its numbers, a text, a table and maybe a figure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
 from warpwear.figures.style import write_figure
 from warpwear.results.frames import package
-from warpwear.results.report import Row, record
+from warpwear.results.report import Row, lines, record, without_nan
 
 #: Endings of files that a figure can be written to.
 FORMATS = (".png", ".pdf", ".svg")
@@ -19,32 +20,66 @@ FORMATS = (".png", ".pdf", ".svg")
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Report:
-    """A report has numbers, a text for people and a figure. `print` shows the text.
+    """A report has numbers by name, a text for people, which `print` shows, and maybe a figure."""
 
-    text: as the command prints it. rows: of which the numbers are made. draw: declares the figure.
-    """
+    def _title(self) -> str:
+        """Say in a line what was found."""
+        raise NotImplementedError
 
-    text: str = ""
-    rows: Sequence[Row] = ()
-    draw: Callable[[], Figure] | None = None
+    def _rows(self) -> Sequence[Row]:
+        """Declare all numbers, as they are printed."""
+        raise NotImplementedError
+
+    def _table(self) -> Sequence[Sequence[Row]]:
+        """Declare the rows of the table, by default one with all numbers."""
+        return [self._rows()]
+
+    def _declared(self) -> Figure:
+        """Declare the figure. Raises InputError for a report without."""
+        raise InputError("this report has no figure")
 
     def __repr__(self) -> str:
-        return in_python(self.text)
+        return f"<{self._title()}>"
+
+    def __str__(self) -> str:
+        return "\n".join([self._title(), *lines(self._rows())])
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
 
     @cached_property
     def numbers(self) -> dict[str, Any]:
         """All numbers by name, with their units at the ends of the names, as the command prints by --json."""
-        return record(self.rows)
+        return dict(without_nan(record(self._rows())))
 
     def to_dataframe(self) -> Any:
-        """Return the numbers as a pandas.DataFrame of one row, to be put below those of other files.
+        """Return the numbers as a table.
 
-        Raises InputError where pandas is not installed.
+        Returns
+        -------
+        pandas.DataFrame
+            A row a test, an area or a speed; without such a single row, to be put below those of others.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
         """
-        return package("pandas", "to_dataframe").json_normalize(self.numbers)
+        return package("pandas", "to_dataframe").json_normalize([record(row) for row in self._table()])
 
     def figure(self) -> Any:
-        """Return the figure, one of matplotlib."""
+        """Draw the figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        InputError
+            For a report without one.
+        """
         return paint(self._declared())
 
     def save_figure(self, path: str | Path, *, overwrite: bool = False) -> Path:
@@ -52,9 +87,9 @@ class Report:
 
         Parameters
         ----------
-        path
+        path : path
             Ends in .png, .pdf or .svg.
-        overwrite
+        overwrite : bool
             Whether to replace a file that is there.
 
         Returns
@@ -65,17 +100,43 @@ class Report:
         Raises
         ------
         InputError
-            For another ending, a folder that does not exist, or a file that is there.
+            For another ending, a folder that does not exist, a file that is there, or a report without one.
         """
         path = Path(path)
         check_figure(path, overwrite=overwrite)
         save(self._declared(), path)
         return path
 
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FileReport(Report):
+    """A file of measurements has a report.
+
+    Attributes
+    ----------
+    text : str
+        As the command prints it.
+    rows : sequence of Row
+        Of which the numbers are made.
+    draw : callable or None
+        Declares the figure.
+    """
+
+    text: str = ""
+    rows: Sequence[Row] = ()
+    draw: Callable[[], Figure] | None = None
+
+    def _title(self) -> str:
+        return in_python(self.text.partition("\n")[0])
+
+    def _rows(self) -> Sequence[Row]:
+        return self.rows
+
     def _declared(self) -> Figure:
-        if self.draw is None:
-            raise InputError("this report has no figure")
-        return self.draw()
+        return super()._declared() if self.draw is None else self.draw()
+
+    def __str__(self) -> str:
+        return in_python(self.text)
 
 
 def save(figure: Figure, path: Path) -> None:

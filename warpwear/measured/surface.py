@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured import profile_report, surface_report
 from warpwear.measured.options import Options, flag, optional, quantity, refuse, with_unit
-from warpwear.measured.report import Report
+from warpwear.measured.report import FileReport
 from warpwear.measured.surface_figure import groove_figure, patch_figure, surface_figure, track_figure
 from warpwear.measured.surface_report import LAMBDA_C, LAMBDA_S, MeasuredSurface
 from warpwear.results.report import Row, lines
@@ -72,20 +72,37 @@ class HowToRead(TypedDict, total=False):
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class MeasuredProfile(Report):
-    """A measured profile has heights over places [mm], (n,), and parameters of ISO 21920 [mm]."""
+class MeasuredProfile(FileReport):
+    """A measured profile has heights over places, and parameters of ISO 21920.
+
+    Attributes
+    ----------
+    profile : Profile
+        Heights over places [mm], shape (n,).
+    parameters : Parameters
+        Of ISO 21920-2 [mm].
+    """
 
     profile: Profile
     parameters: Parameters
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class WornBody(Report):
+class WornBody(FileReport):
     """A worn body has lost a volume, or a groove in a profile a section; `numbers` has them with errors.
 
-    body: a Track, a Patch or a WornBall, by its arrays. source: the map that it is in, or the profile.
-    missing: points that were not measured, shape (nx, ny). changed: how an earlier measurement was laid over
-    it, if there is one. degree: of the polynomial taken off beside it.
+    Attributes
+    ----------
+    body : Track, Patch or WornBall
+        By its arrays.
+    source : Measured or Profile
+        The map that it is in, or the profile.
+    missing : array of bool
+        Points that were not measured, shape (nx, ny).
+    changed : Difference or None
+        How an earlier measurement was laid over it.
+    degree : int
+        Of the polynomial taken off beside it.
     """
 
     body: Any
@@ -290,7 +307,7 @@ def read_worn(
 
 
 @named_in_python()
-def worn_cap(first: Length, second: Length, *, radius: Length) -> Report:
+def worn_cap(first: Length, second: Length, *, radius: Length) -> FileReport:
     """Find what a ball has lost from two diagonals of its worn patch, taken as flat.
 
     Parameters
@@ -302,7 +319,7 @@ def worn_cap(first: Length, second: Length, *, radius: Length) -> Report:
 
     Returns
     -------
-    Report
+    FileReport
         Depth and volume of the cap; it has no figure.
 
     Raises
@@ -317,11 +334,11 @@ def worn_cap(first: Length, second: Length, *, radius: Length) -> Report:
     Examples
     --------
     >>> warpwear.worn_cap(0.80, "820 um", radius="3 mm")
-    worn ball by two diagonals: rim's radius 0.405 mm, depth 27.463 µm, volume 0.0070867 mm³ (a flat patch)
+    <worn ball by two diagonals: rim's radius 0.405 mm, depth 27.463 µm, volume 0.0070867 mm³ (a flat patch)>
     """
     each = (quantity("--diagonals", diagonal, "mm") for diagonal in (first, second))
     rows = surface_report.cap_rows(cap_of_diagonals(*each, radius=quantity("--radius", radius, "mm")))
-    return Report(text=f"worn ball by two diagonals: {Row('', '', rows).text} (a flat patch)", rows=rows)
+    return FileReport(text=f"worn ball by two diagonals: {Row('', '', rows).text} (a flat patch)", rows=rows)
 
 
 def check_together(o: Options) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.measured.report import Report
+from warpwear.measured.report import FileReport
 from warpwear.results.report import Row, lines, record, times
 from warpwear.surfaces import roughness
 from warpwear.surfaces import spectrum as spectra
@@ -47,12 +47,21 @@ ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")} | {
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class MeasuredSurface(Report):
+class MeasuredSurface(FileReport):
     """A measured surface has heights, roughness and a spectrum; `print` shows what `warpwear surface` prints.
 
-    surface: heights at any points, for `run(study, surface=...)`. bearing: parameters of the core [mm, %].
-    spectrum: wavelength [mm] and density [mm⁴] of the waves in all directions, (bins,). cut_offs: shortest
-    waves [mm], and slopes: the rms slope [-] from each on, (m,). roll_off: the wavelength that it suggests.
+    Attributes
+    ----------
+    surface : Measured
+        Heights at any points, for ``run(study, surface=...)``.
+    bearing : Bearing
+        Parameters of the core [mm, %].
+    spectrum : Spectrum
+        Wavelength [mm] and density [mm⁴] of the waves in all directions, shape (bins,).
+    cut_offs, slopes : array
+        Shortest waves [mm], and the rms slope [-] from each on, shape (m,).
+    roll_off : RollOff
+        The wavelength that it suggests.
     """
 
     surface: Measured

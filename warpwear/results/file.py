@@ -131,7 +131,23 @@ class ResultFile:
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
-        """Return the result in a run folder or an HDF5 file, as `Result(path)`. Raises InputError."""
+        """Open the result in a run folder or an HDF5 file, as `Result(path)` does.
+
+        Parameters
+        ----------
+        path : path
+            A run folder, or the HDF5 file in it.
+
+        Returns
+        -------
+        Result
+            With its file open until `close`, or the end of a `with`.
+
+        Raises
+        ------
+        InputError
+            For what is no result, or damaged.
+        """
         return cls(path)
 
     @classmethod
@@ -149,6 +165,11 @@ class ResultFile:
     def folder(self) -> Path | None:
         """The run folder; None for a run in memory."""
         return None if self.path is None else self.path.parent
+
+    @property
+    def name(self) -> str:
+        """What sentences call the run: its folder, or the name of its study."""
+        return str(self.folder or f"'{self.study.study.name}' in memory")
 
     @contextmanager
     def _reading(self) -> Iterator[h5py.File]:
@@ -274,7 +295,25 @@ class ResultFile:
         return Snapshots(self, range(self.snapshot_distances.size))
 
     def snapshot(self, index: SupportsIndex) -> Snapshot:
-        """Snapshot number `index`; -1 is the end. Raises InputError for what is no number, IndexError."""
+        """Return a snapshot by its number.
+
+        Parameters
+        ----------
+        index : int
+            From 0; -1 is the end.
+
+        Returns
+        -------
+        Snapshot
+            Its fields, read from the file.
+
+        Raises
+        ------
+        InputError
+            For what is no number, and where the file is closed.
+        IndexError
+            For a number beyond the snapshots.
+        """
         number = _number(index, self.snapshot_distances.size)
         at_hand = self.at_hand.get(number)
         if at_hand is not None:
@@ -289,10 +328,25 @@ class ResultFile:
             return Snapshot.of(float(group.attrs["distance"]), fields, row=row, load_on_filled=on_filled)
 
     def at(self, distance: str | float) -> Snapshot:
-        """Return the snapshot kept at a distance: text with a unit, such as "30 mm", or a number [mm].
+        """Return the snapshot kept at a distance.
 
         One that was asked for there, where no step ends (of a swept run, or snapshots = "auto"), is the first
-        after it. Raises InputError, naming those that are kept, for another distance.
+        after it.
+
+        Parameters
+        ----------
+        distance : str or float
+            Text with a unit, such as "30 mm", or a number [mm].
+
+        Returns
+        -------
+        Snapshot
+            Its fields.
+
+        Raises
+        ------
+        InputError
+            For another distance, naming those that are kept.
         """
         return self.snapshot(self.number_at(distance))
 
@@ -327,9 +381,24 @@ class ResultFile:
         return replace(form, values=self._array("counter/heights", "has no measured counter-body"))
 
     def unworn_counter(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the unworn counter-body's height over its lowest point [mm] at x × y [mm].
+        """Return the unworn counter-body's height over its lowest point.
 
         Of a measured one it is that of the nearest cells; infinite where there is no body.
+
+        Parameters
+        ----------
+        x, y : array
+            Places [mm], shapes (nx,) and (ny,).
+
+        Returns
+        -------
+        array
+            Heights [mm], shape (nx, ny).
+
+        Raises
+        ------
+        InputError
+            Where the file that has a measured one is closed.
         """
         form, cell = self.form, self.study.grid.cell
         if not isinstance(form, Given):

@@ -40,7 +40,7 @@ class Row:
     sentence: str | None = None
 
     @property
-    def _ending(self) -> str:
+    def ending(self) -> str:
         """Return the end of the key that is a unit, with what stands before it; empty for none."""
         parts = self.key.split("_")
         ends = ("_".join(parts[start:]) for start in range(1, len(parts)))
@@ -49,14 +49,14 @@ class Row:
     @property
     def units(self) -> str:
         """Return the unit as people write it; empty for a number without one."""
-        return UNITS.get(self._ending[1:], "") if self.unit is None else self.unit
+        return UNITS.get(self.ending[1:], "") if self.unit is None else self.unit
 
     @property
     def uncertainty(self) -> tuple[str, float | None]:
         """Return key and value of the standard error."""
         if isinstance(self.error, tuple):
             return self.error
-        return f"{self.key.removesuffix(self._ending)}_error{self._ending}", self.error
+        return f"{self.key.removesuffix(self.ending)}_error{self.ending}", self.error
 
     @property
     def number(self) -> str:

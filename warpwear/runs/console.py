@@ -132,7 +132,7 @@ class Progress:
 def warn(sentence: str) -> None:
     """Warn at the line of the user's that called warpwear."""
     caller, level = sys._getframe(), 1
-    while caller.f_back and caller.f_globals.get("__name__", "").startswith("warpwear."):
+    while caller.f_back and caller.f_globals.get("__name__", "").startswith(("warpwear.", "contextlib")):
         caller, level = caller.f_back, level + 1
     warnings.warn(sentence, StudyWarning, stacklevel=level)
 

@@ -76,30 +76,60 @@ def run(
 ) -> Result:
     """Run a study (or the one in a file, or a preset) and return its result.
 
-    surface: heights [mm] instead of the study's disc, positive out of the material, axis 0 along the sliding
-    direction: an array of a height a cell of the domain, shape (nx, ny), or of the track of a swept run,
-    shape (rows, ny); or an object with the methods of `warpwear.surfaces.base.Surface`, which is sampled
-    there. Their mean is taken off: approaches count from it. With `out` they are saved as surface.npy, which
-    the resolved study names, so that it runs again by itself. The share of the load on points that a
-    `Measured` filled is told and limited as that of a file; surface.npy does not say which these are.
-    out: run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
-    the result lives in memory. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
-    result depends on it. plots: figures to draw into `out`, "essential" (True), "all" or "none" (False); with
-    two cores another process draws the essential ones. overwrite: replace a run that is there already.
-    resume: go on from the checkpoint that an unfinished run left in `out`, from the start where there is
-    none; a finished run is returned as it is. progress: report on standard error. callback: is called with
-    every step, see `steps`, so that each is made alone: slower on a GPU, there with other rounding, and on
-    small grids; an exception of it stops the run as an interrupt does: what there is so far is kept, with a
-    checkpoint, and it is raised.
-
     What misleads (keys that are not used, a contact of few cells) is a warning of Python (StudyWarning), in
-    `result.summary["warnings"]` too; with progress the three heaviest go to standard error instead.
+    `result.summary["warnings"]` too; with `progress` the three heaviest go to standard error instead.
 
-    Raises InputError, and leaves no folder behind, for anything that cannot be computed. A step that is wrong
-    raises InvariantError (the contact at the domain's edge, say) or ConvergenceError (an unbalanced contact)
-    and leaves an unfinished run with the last checkpoint, as does KeyboardInterrupt, raised at the end of a
-    step. What a surface's own `heights` raises is raised.
+    Parameters
+    ----------
+    study : Study, path or str
+        A study, its file, or the name of a preset.
+    surface : array or Surface, optional
+        Heights [mm] instead of the study's disc, positive out of the material, axis 0 along the sliding
+        direction: an array of a height a cell of the domain, shape (nx, ny), or of the track of a swept run,
+        shape (rows, ny); or an object with the methods of `warpwear.surfaces.base.Surface`, such as the
+        ``surface`` of `read_surface`, which is sampled there. Their mean is taken off: approaches count from
+        it. With `out` they are saved as surface.npy, which the resolved study names, so that it runs again by
+        itself. The share of the load on points that a measured one lacks is told and limited as that of a
+        file; surface.npy does not say which these are.
+    out : path, optional
+        Run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
+        the result lives in memory.
+    device : str
+        ``"cpu"`` or ``"cuda:0"``.
+    threads : int, optional
+        Of the CPU, by default every core; no result depends on it.
+    plots : {"essential", "all", "none"} or bool
+        Figures to draw into `out`, True for the essential ones, False for none; with two cores another
+        process draws the essential ones.
+    overwrite : bool
+        Whether to replace a run that is there already.
+    resume : bool
+        Whether to go on from the checkpoint that an unfinished run left in `out`, from the start where there
+        is none; a finished run is returned as it is.
+    progress : bool
+        Whether to report on standard error.
+    callback : callable, optional
+        Is called with every step, see `steps`, so that each is made alone: slower on a GPU, there with other
+        rounding, and on small grids. An exception of it stops the run as an interrupt does: what there is so
+        far is kept, with a checkpoint, and it is raised.
 
+    Returns
+    -------
+    Result
+        History, snapshots, figures and summary.
+
+    Raises
+    ------
+    InputError
+        For anything that cannot be computed; no folder is left behind.
+    InvariantError
+        For a step that is wrong, such as a contact at the domain's edge.
+    ConvergenceError
+        For a contact that cannot be balanced. Both leave an unfinished run with the last checkpoint, as does
+        KeyboardInterrupt, raised at the end of a step. What a surface's own `heights` raises is raised.
+
+    Examples
+    --------
     >>> coarse = {"grid.cell": "20 um", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]}
     >>> result = warpwear.run(warpwear.Study.load("v3-fine").replace(coarse))
     >>> result.finished, len(result.history["cof"]), result.units["area_contact"]
@@ -287,15 +317,35 @@ def steps(
 ) -> Iterator[RunStep]:
     """Make the steps of a study one by one: `for step in warpwear.steps(study): step.row["area_contact"]`.
 
-    Each step has `row`, a dictionary of the history's columns, `units` of them, and `snapshot()` or `fields`:
-    pressure, wear_counter, wear_disc and gap after it until the next. Nothing is kept or written;
-    stop whenever you like. "cof" is NaN where the study calibrates the shear strength, as by default: that
-    takes the areas of the whole run. study, surface, device, threads: as of `run`, and so are the numbers.
-    `run` makes many steps in a row; here each is made alone, as it can be asked for its fields, which takes
-    longer: four to ten times where the contact is small.
+    Nothing is kept or written; stop whenever you like. `run` makes many steps in a row; here each is made
+    alone, as it can be asked for its fields, which takes longer: four to ten times where the contact is
+    small.
 
-    Raises what `run` raises, when the first step is asked for or the step that is wrong.
+    Parameters
+    ----------
+    study : Study, path or str
+        A study, its file, or the name of a preset.
+    surface : array or Surface, optional
+        Heights [mm] instead of the study's disc, as of `run`.
+    device : str
+        ``"cpu"`` or ``"cuda:0"``.
+    threads : int, optional
+        Of the CPU, by default every core; no result depends on it.
 
+    Returns
+    -------
+    iterator of RunStep
+        Each with `row`, the history's columns by name, their `units`, and `snapshot()` or `fields`: pressure,
+        wear_counter, wear_disc and gap after it until the next. "cof" is NaN where the study calibrates the
+        shear strength, as by default: that takes the areas of the whole run.
+
+    Raises
+    ------
+    InputError, InvariantError, ConvergenceError
+        As `run`, when the first step is asked for or the step that is wrong.
+
+    Examples
+    --------
     >>> study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.01 mm"})
     >>> [round(step.row["distance"], 5) for step in warpwear.steps(study)]
     [0.003, 0.00606, 0.00918, 0.01]

@@ -19,8 +19,12 @@ from warpwear.runs.order import RunOrder
 class RunStep:
     """One step that was just made: its row of the history and, until the next is made, its fields.
 
-    index: of the row in the history; count: steps of the whole run, those of cycles that are
-    jumped over included.
+    Attributes
+    ----------
+    index : int
+        Of the row in the history.
+    count : int
+        Steps of the whole run, those of cycles that are jumped over included.
     """
 
     index: int
@@ -53,9 +57,17 @@ class RunStep:
         return self.snapshot().fields
 
     def snapshot(self) -> Snapshot:
-        """Pressure, wear of both bodies and gap after this step; copies, which stay as they are.
+        """Copy pressure, wear of both bodies and gap after this step.
 
-        Raises InputError when a later step has been made: the fields are then of that one.
+        Returns
+        -------
+        Snapshot
+            The fields, which stay as they are.
+
+        Raises
+        ------
+        InputError
+            Where a later step has been made: the fields are then of that one.
         """
         snapshot = self._fields()
         if snapshot is None:

@@ -17,8 +17,18 @@ class Study(Content):
     """A study is its sections of keys (see `warpwear.study.content`), each number in mm, N, MPa or s.
 
     Make one with `Study.load(path_or_preset)` or from sections: `Study(counter={"radius": "3 mm"}, ...)`.
-    Quantities are text, pairs such as (3, "mm"), or pint's. A study is frozen, and `replace` gives a changed
-    copy. Raises InputError, with one sentence, for anything that cannot be computed.
+    A study is frozen, and `replace` gives a changed copy.
+
+    Parameters
+    ----------
+    **sections
+        By their names, each with its keys as docs/reference/keys.md has them. Quantities are text, pairs such
+        as ``(3, "mm")``, or pint's.
+
+    Raises
+    ------
+    InputError
+        For anything that cannot be computed, with one sentence.
     """
 
     def __init__(self, **sections: Any) -> None:
@@ -66,7 +76,13 @@ class Study(Content):
             raise InputError(f"{what} goes by one load: [[block]], a programme, is not allowed")
 
     def notices(self) -> list[str]:
-        """Return a sentence about each unused key, and each number that misleads."""
+        """Say what misleads.
+
+        Returns
+        -------
+        list of str
+            A sentence about each unused key, and each number that misleads.
+        """
         total = self.sliding.total
         sentences = [*unused_key_notices(self), *doubts.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
@@ -75,15 +91,39 @@ class Study(Content):
         return sentences
 
     def to_toml(self, *, marked: bool = False) -> str:
-        """Return the whole study after defaults, as TOML that `load` reads back without loss.
+        """Write the whole study after defaults, as TOML that `load` reads back without loss.
 
-        marked: for people instead, with defaults marked and the reasons of what is assumed.
+        Parameters
+        ----------
+        marked : bool
+            Whether for people instead, with defaults marked and the reasons of what is assumed.
+
+        Returns
+        -------
+        str
+            The text.
         """
         return text.to_marked_toml(self) if marked else text.to_toml(self)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
-        """Return the study in a TOML file or a run folder, or the preset of that name. Raises InputError."""
+        """Read the study in a TOML file or a run folder, or the preset of that name.
+
+        Parameters
+        ----------
+        path_or_preset : path or str
+            `studies` lists the presets.
+
+        Returns
+        -------
+        Study
+            With its defaults.
+
+        Raises
+        ------
+        InputError
+            For what is no study, or one that cannot be computed.
+        """
         sections = loading.read_sections(path_or_preset)
         if "sweep" in sections:
             raise InputError(f"STUDY = '{path_or_preset}' has a section [sweep]; 'warpwear sweep' makes it.")
@@ -103,10 +143,28 @@ class Study(Content):
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Any) -> Self:
         """Return a copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
 
-        Raises InputError for anything that cannot be computed. A key that says the same in another way
-        is dropped: a new counter.diameter replaces counter.radius. The description tells what has changed,
-        unless it is set itself.
+        A key that says the same in another way is dropped: a new counter.diameter replaces counter.radius.
+        The description tells what has changed, unless it is set itself.
 
+        Parameters
+        ----------
+        changes : dict, optional
+            Key with dots -> new value.
+        **sections
+            Section -> its keys that change.
+
+        Returns
+        -------
+        Study
+            The copy.
+
+        Raises
+        ------
+        InputError
+            For anything that cannot be computed.
+
+        Examples
+        --------
         >>> study = warpwear.Study.load("v3-fine").replace({"contact.load": "4 N", "grid.cell": "2 um"})
         >>> study.contact.load, study.grid.cell
         (4.0, 0.002)

@@ -35,18 +35,32 @@ TABLES = ("table.csv", "table.parquet", "sweep.nc")
 class SweepResult:
     """The runs of a sweep, in the order of its plan: their table, their courses, bands over groups of them.
 
-    plan: what was varied; `plan.groups` gives label -> numbers of the runs that differ only in the keys of
-    band_over. folder: that of the sweep; None where nothing was kept.
+    Attributes
+    ----------
+    plan : Plan
+        What was varied; ``plan.groups`` gives label -> numbers of the runs that differ only in the keys of
+        band_over.
+    rows : list of Row
+        How each run ended.
+    folder : Path or None
+        That of the sweep; None where nothing was kept.
+    cost : str
+        What it would take, of a dry run, whose runs were not made.
+    written : list of Path
+        Tables, figures and page in the folder.
     """
 
     plan: Plan
     rows: list[Row]
     folder: Path | None = None
+    cost: str = ""
+    written: list[Path] = field(default_factory=list)
     _courses: dict[str, FloatArray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         done = sum(row.status == "done" for row in self.rows)
-        return f"<sweep over {', '.join(self.plan.keys)}: {done} of {len(self.rows)} runs done>"
+        said = self.cost or f"{done} of {len(self.rows)} runs done"
+        return f"<sweep over {', '.join(self.plan.keys)}: {said}>"
 
     @property
     def table(self) -> dict[str, list[Any]]:
@@ -67,7 +81,23 @@ class SweepResult:
         return table
 
     def open(self, number: int) -> Result:
-        """Return the run of a row, counted from 0, with fields and figures. InputError if there is none."""
+        """Open the run of a row, with fields and figures.
+
+        Parameters
+        ----------
+        number : int
+            Of the row, counted from 0.
+
+        Returns
+        -------
+        Result
+            The run.
+
+        Raises
+        ------
+        InputError
+            Where there is none: a number beyond the rows, a run that failed, or runs that were not kept.
+        """
         names = self.table["run"]
         if not -len(names) <= number < len(names):
             raise InputError(f"the sweep has no run {number}: it has {len(names)}, counted from 0")
@@ -78,13 +108,33 @@ class SweepResult:
         return Result.open(self.folder / RUNS / names[number])
 
     def to_dataframe(self) -> Any:
-        """Return the table as a pandas.DataFrame, a row a run. Raises InputError without pandas."""
+        """Return the table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row a run.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
+        """
         return package("pandas", "to_dataframe").DataFrame(self.table)
 
     def to_xarray(self) -> Any:
-        """Courses and end values as an xarray.Dataset with the dimensions run and distance.
+        """Return courses and end values.
 
-        The keys varied are coordinates of the runs: numbers with their unit where they are numbers.
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions run and distance. The keys varied are coordinates of the runs: numbers with their unit
+            where they are numbers.
+
+        Raises
+        ------
+        InputError
+            Where xarray is not installed.
         """
         package("xarray", "to_xarray")
         return self._dataset()
@@ -96,7 +146,18 @@ class SweepResult:
         return max(known, key=lambda d: (d[-1], d.size)) if known else np.zeros(0)
 
     def courses(self, name: str) -> FloatArray:
-        """Values of a column of the history over `distance`, (runs, distances); NaN where a run has none."""
+        """Return the courses of all runs of a column of the history.
+
+        Parameters
+        ----------
+        name : str
+            Of the column.
+
+        Returns
+        -------
+        array
+            Values over `distance`, shape (runs, distances); NaN where a run has none.
+        """
         if name not in self._courses:
             places = self.distance
             courses = np.full((len(self.rows), places.size), np.nan)
@@ -107,7 +168,23 @@ class SweepResult:
         return self._courses[name]
 
     def ends(self, name: str) -> FloatArray:
-        """End values by the name of a column, shape (runs,). Raises InputError for others."""
+        """Return the end values of all runs.
+
+        Parameters
+        ----------
+        name : str
+            Of a column of the history, with or without its unit.
+
+        Returns
+        -------
+        array
+            Of shape (runs,); NaN where a run has none.
+
+        Raises
+        ------
+        InputError
+            For what is no end value.
+        """
         columns = {key.partition(" [")[0]: key for row in self.rows for key in row.ends}
         column = name if name in columns.values() else columns.get(name)
         if column is None:
@@ -120,13 +197,35 @@ class SweepResult:
         return self.ends(name) if known and np.isfinite(self.ends(name)).any() else None
 
     def band(self, name: str, runs: Sequence[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Mean, 5th and 95th percentile of a column over some runs, each of shape (distances,)."""
+        """Return mean and band of a column over some runs.
+
+        Parameters
+        ----------
+        name : str
+            Of a column of the history.
+        runs : list of int
+            Numbers of rows, such as those of ``plan.groups``.
+
+        Returns
+        -------
+        tuple of array
+            Mean, 5th and 95th percentile, each of shape (distances,).
+        """
         return band(self.courses(name)[list(runs)])
 
     def numbers(self, key: str) -> tuple[FloatArray, str] | None:
-        """Values of a varied key in the unit of its declaration, and that unit; None where they are words.
+        """Return the values of a varied key as numbers.
 
-        NaN is what no number can be made of, in a point of which no study could be made.
+        Parameters
+        ----------
+        key : str
+            With dots.
+
+        Returns
+        -------
+        tuple of array and str, or None
+            Values in the unit of the key's declaration, and that unit; None where they are words. NaN is what
+            no number can be made of, in a point of which no study could be made.
         """
         numbers, unit = np.full(len(self.plan.points), np.nan), ""
         for place, study in ((point.number, point.study) for point in self.plan.points if point.study):
@@ -148,7 +247,23 @@ class SweepResult:
         return numbers, unit
 
     def sobol(self, name: str = "cof") -> Indices | None:
-        """Sobol's indices of an end value; None for a design that does not allow them."""
+        """Return Sobol's indices of an end value.
+
+        Parameters
+        ----------
+        name : str
+            Of the end value.
+
+        Returns
+        -------
+        Indices or None
+            None for a design that does not allow them.
+
+        Raises
+        ------
+        InputError
+            For what is no end value.
+        """
         if self.plan.design.kind != "saltelli":
             return None
         return sobol(self.ends(name), len(self.plan.keys))
@@ -161,10 +276,24 @@ class SweepResult:
         return {key: indices.total_in_words(self.plan.keys.index(key)) for key in influence}
 
     def influence(self, name: str = "cof") -> dict[str, float]:
-        """How strongly each varied key decides an end value, 0 to 1 and largest first.
+        """Return how strongly each varied key decides an end value.
 
-        Sobol's total index where the design allows it; else Spearman's rank correlation with its sign for
-        keys that are numbers, and for words and seeds the part of the variance between their means (η²).
+        Parameters
+        ----------
+        name : str
+            Of the end value.
+
+        Returns
+        -------
+        dict
+            Key -> 0 to 1, largest first: Sobol's total index where the design allows it; else Spearman's rank
+            correlation with its sign for keys that are numbers, and for words and seeds the part of the
+            variance between their means (η²).
+
+        Raises
+        ------
+        InputError
+            For what is no end value.
         """
         values = self.ends(name)
         indices = self.sobol(name)

@@ -152,7 +152,7 @@ def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
         *given, "--experiment", str(heavy)
     )
     assert "the scar is larger than the field of the study, 1.5 mm" in refused(
-        *given, "--diameter", "1.8 +- 0.02 mm"
+        *given, "--scar", "1.8 +- 0.02 mm"
     )
 
 

@@ -1,7 +1,6 @@
 """What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
 
 import itertools
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -11,9 +10,10 @@ import numpy as np
 from warpwear.calibration.friction import effective_points
 from warpwear.calibration.measurements import (
     KINDS,
+    OFF,
     MeasuredTest,
     Tests,
-    Value,
+    check_conditions,
     conditions_of,
     in_file,
     size_and_error,
@@ -34,8 +34,6 @@ from warpwear.study.study import Study
 POINTS = 100
 #: Fewest points of a course.
 FEWEST = 5
-#: A load, or a length, that differs by more than this part from the study's is of another test.
-OFF = 0.05
 #: Least and largest standard uncertainty as a part of a measured value: squares of others leave the range of
 #: numbers.
 PARTS = (1e-9, 1e9)
@@ -153,10 +151,9 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
     """
     courses, both = [], []
     tables, own = in_file(tests)[1] if isinstance(tests, str | Path) else tests, conditions_of(study)
-    (same,) = tests_of([own])
     for number, test in enumerate(tests_of(tables, **own), 1):
         named = f"test.{number}"
-        _check_conditions(test, named, same)
+        check_conditions(test, named, study)
         if test.record is not None:
             courses.append(_course(study, test.record, columns))
         sources = [name for name in sources_of(test) if name not in KINDS]
@@ -167,18 +164,6 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
     points = tuple(value for value in both if value.kind == "friction")
     values, notes = _repeated([value for value in both if value.kind != "friction"])
     return Data(tuple(courses), points, tuple(values), tuple(notes))
-
-
-def _check_conditions(test: MeasuredTest, named: str, own: MeasuredTest) -> None:
-    """Raise InputError for a test that is not the study's own."""
-    for name in ("load", "distance", "radius", "length", "track_radius"):
-        here, there = getattr(test, name), getattr(own, name)
-        if isinstance(here, Value):
-            if here.error is not None:
-                raise InputError(f"{named}.{name} has an uncertainty: an inference takes it as exact")
-            here, there = here.value, there.value
-        if None not in (here, there) and not math.isclose(here, there, rel_tol=OFF):
-            raise InputError(f"{named}.{name} is {here:g}, and the study has {there:g}: they have to agree")
 
 
 def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:

@@ -55,15 +55,55 @@ def infer(
 ) -> Inference:
     """Find unknowns of a study from measurements of a test, by Bayes' rule.
 
-    unknown: keys, each with a prior as in a sweep or None for one about the study's value. tests: a table a
-    test, such as {"scar": "0.8 +- 0.02 mm", "friction": "0.2 +- 0.02 at 30 mm", "record": "test-1.csv"}, or a
-    file with them; repeated tests have one each. Their keys are those of [[test]], which
-    docs/reference/keys.md explains: scar, volume_counter, volume_disc, width, section, sq_counter, sq_disc,
-    friction, record, profile, after, before and ball. target: an unknown that the next test is to narrow;
-    candidates: such as "contact.load=16 N, repeats=3". out: folder of the report, which keeps the runs. runs:
-    of a design where results do not merely scale. seed: of all draws.
+    Parameters
+    ----------
+    study : Study, path or str
+        The test: a study, its file, or the name of a preset.
+    unknown : dict, or list of str
+        Keys, each with a prior as in a sweep, or None for one within a factor of 5 about the study's value,
+        as of a list.
+    tests : list of dict, or path
+        One a test, such as ``{"scar": "0.8 +- 0.02 mm", "friction": "0.2 +- 0.02 at 30 mm", "record":
+        "test-1.csv"}``, or a TOML file with them; repeated tests have one each. The keys are those of
+        ``[[test]]``, which docs/reference/keys.md explains: scar, volume_counter, volume_disc, width,
+        section, sq_counter, sq_disc, friction, record, profile, after, before and ball.
+    target : str, optional
+        An unknown that the next test is to narrow.
+    candidates : list of str, optional
+        Tests to rank for it, such as ``"contact.load=16 N, repeats=3"``; without them likely ones.
+    out : path, optional
+        Folder of the report, which keeps the runs.
+    runs : int, optional
+        Of a design, where results do not merely scale.
+    seed : int
+        Of all draws.
+    device : str
+        ``"cpu"`` or ``"cuda:0"``.
 
-    Raises InputError for what does not go together, ConvergenceError where samples do not converge.
+    Returns
+    -------
+    Inference
+        Samples of the unknowns, their table, what cannot be told apart, and the tests ranked; `print` shows
+        it.
+
+    Raises
+    ------
+    InputError
+        For what does not go together, such as priors that exclude what was measured.
+    ConvergenceError
+        Where samples do not converge.
+
+    References
+    ----------
+    A. Gelman and others, Bayesian Data Analysis, third edition, 2013.
+
+    Examples
+    --------
+    >>> study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um"})
+    >>> tests = [{"volume_disc": "0.004 +- 0.0004 mm^3"}]
+    >>> found = warpwear.infer(study, unknown=["wear.disc"], tests=tests)
+    >>> [row["key"] for row in found.table], found.misses
+    (['wear.disc'], False)
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.refuse_blocks("warpwear calibrate bayes")

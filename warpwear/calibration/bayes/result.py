@@ -40,10 +40,24 @@ BAND = (5.0, 95.0)
 class Inference:
     """Hold the unknowns of a study after a test.
 
-    values: key -> samples (samples,), those of the scatter too; z: the same as numbers that the priors have
-    standard normal, (samples, unknowns). conflicts: sentences on what the study cannot bring together.
-    target, tests: the unknown that the next test is sought for, and tests ranked. repeats: wear coefficient
-    -> how many more tests like this bring it to ± 10 %, None where none do. seed: of the draws.
+    Attributes
+    ----------
+    values : dict
+        Key -> samples, shape (samples,), those of the scatter too.
+    z : array
+        The same as numbers that the priors have standard normal, shape (samples, unknowns).
+    posterior, samples, identified : Posterior, Samples, Identified
+        The density, what was drawn of it, and what can be told apart.
+    conflicts : tuple of str
+        Sentences on what the study cannot bring together.
+    target : str or None
+        The unknown that the next test is sought for.
+    tests : tuple of NextTest
+        Tests ranked for it.
+    repeats : dict
+        Wear coefficient -> how many more tests like this bring it to ± 10 %, None where none do.
+    seed : int
+        Of the draws.
     """
 
     posterior: Posterior
@@ -182,9 +196,16 @@ class Inference:
         return f"{source} {samples.effective:.0f} independent samples; {agree}"
 
     def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Distances [mm], (points,), and mean, 5th and 95th percentile of friction there, (3, points).
+        """Predict the course of friction.
 
-        The third is the band of another test's points, with the scatter of this one, (2, points).
+        Returns
+        -------
+        distance : array
+            Distances [mm], shape (points,).
+        course : array
+            Mean, 5th and 95th percentile of friction there, shape (3, points).
+        band : array
+            That of another test's points, with the scatter of this one, shape (2, points).
         """
         distance = self._places
         some = self._some
@@ -197,15 +218,53 @@ class Inference:
         return distance, np.array(band(cof)), np.array(band(with_scatter))[1:]
 
     def computed(self) -> list[dict[str, Any]]:
-        """Return a row a measured value: what it is, what the study computes, and how far apart they are."""
+        """Set what the study computes beside each measured value.
+
+        Returns
+        -------
+        list of dict
+            A row a measured value: what it is, what the study computes, and how far apart they are.
+        """
         return computed(self.posterior, self._some)
 
     def plot(self, name: str) -> Figure:
-        """Draw "corner" or "course". Raises InputError for another name."""
+        """Draw a figure.
+
+        Parameters
+        ----------
+        name : {"corner", "course"}
+            The unknowns against each other, or the course of friction.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The figure.
+
+        Raises
+        ------
+        InputError
+            For another name.
+        """
         return paint(self.declared(name))
 
     def declared(self, name: str) -> describe.Figure:
-        """Declare "corner" or "course". Raises InputError for another name."""
+        """Declare a figure.
+
+        Parameters
+        ----------
+        name : {"corner", "course"}
+            As of `plot`.
+
+        Returns
+        -------
+        Figure
+            What the painters draw.
+
+        Raises
+        ------
+        InputError
+            For another name.
+        """
         if name == "corner":
             return figures.corner(self.posterior.unknowns, self.values)
         if name == "course":

@@ -13,14 +13,27 @@ from warpwear.grid import FloatArray
 class ArrayContact:
     """Holds a solved contact of an array of heights. Units are the caller's; fields have the heights' shape.
 
-    approach: how far the plane, or the counter-body's lowest point, lies below the heights' mean plane;
-    negative while it lies above. gap: distance between the bodies after elastic deformation; 0 under a
-    pressure below the hardness, negative where the hardness is reached (how deep the material has to flow),
-    infinite beyond the counter-body. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0
-    elsewhere, gap ≤ 0 at the hardness) over the rms height of the gap before contact. certificate: that and
-    more, reckoned anew from the pressure: by how much its energy can exceed the least, above all.
-    evaluations: pairs of Fourier transforms on a half-space, else passes over the cells that a trial approach
-    took. modulus, boundary: of the half-space; None where there is none.
+    Attributes
+    ----------
+    pressure : array
+        Of every cell, shape (nx, ny).
+    gap : array
+        Distance between the bodies after elastic deformation, shape (nx, ny); 0 under a pressure below the
+        hardness, negative where the hardness is reached (how deep the material has to flow), infinite beyond
+        the counter-body.
+    approach : float
+        How far the plane, or the counter-body's lowest point, lies below the heights' mean plane; negative
+        while it lies above.
+    cell, hardness : float
+        As they were given.
+    certificate : Certificate
+        What the pressure is worth, reckoned anew from it: by how much its energy can exceed the least, above
+        all. Its violation is `residual`, the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere,
+        gap ≤ 0 at the hardness) over the rms height of the gap before contact.
+    evaluations : int
+        Pairs of Fourier transforms on a half-space, else passes over the cells that a trial approach took.
+    modulus, boundary : float, str or None
+        Of the half-space; None where there is none.
     """
 
     pressure: FloatArray  # pressure, shape (nx, ny)

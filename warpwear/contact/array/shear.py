@@ -14,16 +14,25 @@ from warpwear.grid import FloatArray
 class ShearCertificate:
     """Tells what a tangential traction q within friction's bound c = μ p is worth, reckoned anew from it.
 
-    s is the slip of the increment. The conditions are s = 0 where ‖q‖ < c, else s along q. violation: largest
-    breach of these, over the largest displacement that c itself makes; allowed: what may be left of it, the
-    tolerance or, where that is more, what rounding shows. beyond_bounds: by how much ‖q‖ exceeds c, a
-    pressure. force_residual: force missed, over μ P; 0 at a displacement.
+    s is the slip of the increment. The conditions are s = 0 where ‖q‖ < c, else s along q.
 
-    energy_gap: Σ c ‖s‖ − q·s, times the area of a cell. No other traction within the bounds, of the same
-    force where a force is prescribed, has an energy ½ q·Aq − q·(rhs + D) that is lower by more (Frank and
-    Wolfe 1956, Nav. Res. Logist. Q. 3, 95): s is that energy's negative gradient, and no other traction of a
-    cell gives more than c ‖s‖ − q·s along it. relative_gap: energy_gap over Σ c times the scale of
-    violations.
+    Attributes
+    ----------
+    violation : float
+        Largest breach of these, over the largest displacement that c itself makes.
+    allowed : float
+        What may be left of it, the tolerance or, where that is more, what rounding shows.
+    beyond_bounds : float
+        By how much ‖q‖ exceeds c, a pressure.
+    force_residual : float
+        Force missed, over μ P; 0 at a displacement.
+    energy_gap : float
+        Σ c ‖s‖ − q·s, times the area of a cell. No other traction within the bounds, of the same force where
+        a force is prescribed, has an energy ½ q·Aq − q·(rhs + D) that is lower by more (Frank and Wolfe 1956,
+        Nav. Res. Logist. Q. 3, 95): s is that energy's negative gradient, and no other traction of a cell
+        gives more than c ‖s‖ − q·s along it.
+    relative_gap : float
+        That over Σ c times the scale of violations.
     """
 
     violation: float
@@ -38,12 +47,27 @@ class ShearCertificate:
 class ShearedContact:
     """Holds the tangential traction of a contact after an increment. Units are the caller's.
 
-    contact: the normal contact that it acts in; of dissimilar bodies as changed by the traction. traction:
-    on the surface of heights along axis 0 and axis 1, shape (2, nx, ny), so that qx, qy = traction. slip: of
-    the surfaces in contact on each other during this increment, shape (2, nx, ny); 0 out of contact, and
-    where they stick but for the tolerance. stick: cells in contact whose traction is below friction's bound,
-    shape (nx, ny). displacement: rigid, along both axes, since the first increment. energy: dissipated in
-    this increment. evaluations: responses and their inverses, of four Fourier transforms each.
+    Attributes
+    ----------
+    contact : ArrayContact
+        The normal contact that it acts in; of dissimilar bodies as changed by the traction.
+    friction : float
+        μ, as it was given.
+    traction : array
+        On the surface of heights along axis 0 and axis 1, shape (2, nx, ny), so that ``qx, qy = traction``.
+    slip : array
+        Of the surfaces in contact on each other during this increment, shape (2, nx, ny); 0 out of contact,
+        and where they stick but for the tolerance.
+    stick : array of bool
+        Cells in contact whose traction is below friction's bound, shape (nx, ny).
+    displacement : tuple of float
+        Rigid, along both axes, since the first increment.
+    energy : float
+        Dissipated in this increment.
+    certificate : ShearCertificate
+        What the traction is worth.
+    evaluations, iterations : int
+        Responses and their inverses, of four Fourier transforms each, and steps of the search.
     """
 
     contact: ArrayContact

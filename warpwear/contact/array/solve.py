@@ -68,38 +68,71 @@ def solve_contact(
 ) -> ArrayContact:
     """Press a rigid plane, or a counter-body, on heights and return the pressure and the gap of every cell.
 
-    All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
+    All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa). What
+    memory is needed is said on standard error where that is 2 GiB or more, before it starts. A warning tells
+    where the contact with a counter-body reaches the edge of the array, and where it is of fewer than nine
+    cells.
 
-    heights: of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane. Of a
-    `MeasuredSurface` give its `.heights`; where its two pixels differ they are resampled first, as its
-    `.surface.heights(x, y)` does. cell: width of the square cells. load, mean_pressure, approach: one of the
-    three; a mean pressure is the load over the area of the array. hardness: largest pressure of a cell; None
-    for no such limit.
-    modulus: E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E). stiffness: instead of
-    it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
-    every cell that is touched carries the hardness: the bearing area.
-    boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
-    plane): opposite edges of a measured map then meet in a seam, whose steps count as roughness; "free",
-    where nothing lies beside the array (by default under a counter-body), or "line", where it repeats along
-    axis 1 and nothing lies beyond the ends of axis 0: a line contact, plane strain where ny is 1. Its
-    approach has no absolute zero: a line of pressure displaces nothing at the distance of the array's length,
-    nx × cell.
-    counter_radius: of a ball, whose apex comes down on the middle of the array; None for a plane.
-    counter: another body instead, by the keys of a study's [counter], {"shape": "pin", "radius": 0.3,
-    "edge_radius": 0.1}; or how high each cell of it lies over the surface's, an array of the shape of heights
-    that counts from its lowest.
-    tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
-    from 1e-14 to 0.01; one that rounding hides is raised to what it shows, `certificate.allowed`. The other
-    laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
-    result depends on it.
+    Parameters
+    ----------
+    heights : array
+        Of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane. Of a
+        `MeasuredSurface` give its `.heights`; where its two pixels differ they are resampled first, as its
+        ``.surface.heights(x, y)`` does.
+    cell : float
+        Width of the square cells.
+    load, mean_pressure, approach : float, optional
+        One of the three; a mean pressure is the load over the area of the array.
+    hardness : float, optional
+        Largest pressure of a cell; None for no such limit.
+    modulus : float, optional
+        E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E).
+    stiffness : float, optional
+        Instead of it pressure over length, of independent springs under the cells (a Winkler foundation).
+        Without both every cell that is touched carries the hardness: the bearing area.
+    boundary : {"periodic", "free", "line"}, optional
+        Of the half-space. "periodic", where the surface repeats without end (by default under a plane):
+        opposite edges of a measured map then meet in a seam, whose steps count as roughness; "free", where
+        nothing lies beside the array (by default under a counter-body); or "line", where it repeats along
+        axis 1 and nothing lies beyond the ends of axis 0: a line contact, plane strain where ny is 1. Its
+        approach has no absolute zero: a line of pressure displaces nothing at the distance of the array's
+        length, nx × cell.
+    counter_radius : float, optional
+        Of a ball, whose apex comes down on the middle of the array; None for a plane.
+    counter : dict or array, optional
+        Another body instead, by the keys of a study's [counter], ``{"shape": "pin", "radius": 0.3,
+        "edge_radius": 0.1}``; or how high each cell of it lies over the surface's, an array of the shape of
+        heights that counts from its lowest.
+    tolerance : float
+        Largest violation of the contact conditions of the half-space over the rms height of the gap, from
+        1e-14 to 0.01; one that rounding hides is raised to what it shows, ``certificate.allowed``. The other
+        laws are solved to rounding.
+    device : str
+        ``"cpu"`` or ``"cuda:0"``.
+    threads : int, optional
+        Of the CPU, by default every core; no result depends on it.
 
-    Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
-    Warns where the contact with a counter-body reaches the edge of the array, and where it is of fewer than
-    nine cells. Raises InputError for what is not possible, ConvergenceError where the
-    tolerance is not met, MemoryError where memory runs out. Sources:
-    Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
-    Johnson, Contact Mechanics, 1985, section 4.3 (springs).
+    Returns
+    -------
+    ArrayContact
+        Pressure, gap, areas, and a certificate of what they are worth.
 
+    Raises
+    ------
+    InputError
+        For what is not possible.
+    ConvergenceError
+        Where the tolerance is not met.
+    MemoryError
+        Where memory runs out.
+
+    References
+    ----------
+    I. A. Polonsky and L. M. Keer, Wear 231 (1999) 206, and A. Almqvist and others, Tribology International 40
+    (2007) 574 (half-space). K. L. Johnson, Contact Mechanics, 1985, section 4.3 (springs).
+
+    Examples
+    --------
     >>> heights = np.random.default_rng(0).normal(size=(64, 64))
     >>> contact = warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.25, hardness=1.0)
     >>> print(contact.area / contact.nominal_area, contact.mean_pressure)

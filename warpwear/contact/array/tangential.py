@@ -51,25 +51,54 @@ def solve_tangential(
 ) -> ShearedContact:
     """Shear a contact of a half-space by an increment, and return traction, slip and what sticks.
 
-    contact: of `solve_contact` with a modulus, at the load of the end of the increment. friction: μ; the
-    traction of no cell exceeds μ p. poisson: Poisson's ratio of both bodies, of the same material; or
-    ((young, poisson), (young, poisson)) of the body of heights and of the other, where infinite is rigid.
-    force, displacement: one of the two, at the end of the increment, of the other body over that of heights:
-    a number along axis 0, where all tractions along axis 1 are left out; or two, along both axes. The rigid
-    displacement counts from the first increment; of a surface that repeats it is that of the mean.
-    previous: the increment before, None for the first: loads, forces and displacements may change and turn
-    from one to the next, and each has an answer of its own, whatever its size. At a constant load one
-    increment is exact up to where the force turns; where the load changes, or the direction of the
-    force, finer ones are better.
-    coupled: of dissimilar bodies, whether tractions change the pressure; without, Goodman's approximation.
-    tolerance: largest violation of the slip conditions, over the displacement that μ p would make; from 1e-14
-    to 0.01. device, threads: as of `solve_contact`; no result depends on the threads.
-
     Quasi-static: there is no velocity, and no increment slides for good; the force must be below μ times the
-    load. Raises InputError for what is not possible, ConvergenceError where the tolerance is not met.
-    Sources: Cattaneo 1938; Mindlin 1949, J. Appl. Mech. 16, 259; Johnson, Contact Mechanics, 1985, chapters 5
-    and 7.
+    load.
 
+    Parameters
+    ----------
+    contact : ArrayContact
+        Of `solve_contact` with a modulus, at the load of the end of the increment.
+    friction : float
+        μ; the traction of no cell exceeds μ p.
+    poisson : float or pair of pairs
+        Poisson's ratio of both bodies, of the same material; or ``((young, poisson), (young, poisson))`` of
+        the body of heights and of the other, where infinite is rigid.
+    force, displacement : float or pair of float, optional
+        One of the two, at the end of the increment, of the other body over that of heights: a number along
+        axis 0, where all tractions along axis 1 are left out; or two, along both axes. The rigid displacement
+        counts from the first increment; of a surface that repeats it is that of the mean.
+    previous : ShearedContact, optional
+        The increment before, None for the first: loads, forces and displacements may change and turn from one
+        to the next, and each has an answer of its own, whatever its size. At a constant load one increment is
+        exact up to where the force turns; where the load changes, or the direction of the force, finer ones
+        are better.
+    coupled : bool
+        Of dissimilar bodies, whether tractions change the pressure; without, Goodman's approximation.
+    tolerance : float
+        Largest violation of the slip conditions, over the displacement that μ p would make; from 1e-14 to
+        0.01.
+    device, threads : str, int
+        As of `solve_contact`; no result depends on the threads.
+
+    Returns
+    -------
+    ShearedContact
+        Traction, slip, what sticks, and a certificate of what they are worth.
+
+    Raises
+    ------
+    InputError
+        For what is not possible.
+    ConvergenceError
+        Where the tolerance is not met.
+
+    References
+    ----------
+    C. Cattaneo, 1938. R. D. Mindlin, Journal of Applied Mechanics 16 (1949) 259. K. L. Johnson, Contact
+    Mechanics, 1985, chapters 5 and 7.
+
+    Examples
+    --------
     >>> flat, ball = np.zeros((64, 64)), {"radius": 10.0}
     >>> ball = warpwear.solve_contact(flat, cell=0.1, load=1.0, modulus=1.0, counter=ball)
     >>> pushed = warpwear.solve_tangential(ball, friction=0.5, poisson=0.3, force=0.3)

@@ -45,8 +45,16 @@ class Yielding(NamedTuple):
 class Stresses:
     """Holds stresses below a surface; tension is positive, z points into the body.
 
-    depths: shape (depths,). tensor: shape (6, depths, nx, ny), the components xx, yy, zz, xy, xz, yz at the
-    middles of the cells. traction: (qx, qy) on the surface, None where there is none.
+    Attributes
+    ----------
+    depths : array
+        Lengths, shape (depths,).
+    tensor : array
+        Components xx, yy, zz, xy, xz, yz at the middles of the cells, shape (6, depths, nx, ny).
+    cell, boundary : float, str
+        Of the contact.
+    traction : pair of array, or None
+        (qx, qy) on the surface; None where there is none.
     """
 
     depths: FloatArray  # length
@@ -56,7 +64,23 @@ class Stresses:
     traction: tuple[FloatArray, FloatArray] | None
 
     def component(self, name: str) -> FloatArray:
-        """Return a component, "xx", "yy", "zz", "xy", "xz" or "yz", shape (depths, nx, ny)."""
+        """Return a component of the stress.
+
+        Parameters
+        ----------
+        name : {"xx", "yy", "zz", "xy", "xz", "yz"}
+            Which one.
+
+        Returns
+        -------
+        array
+            Of shape (depths, nx, ny).
+
+        Raises
+        ------
+        InputError
+            For another name.
+        """
         if name not in COMPONENTS:
             raise InputError(f"component {name!r} is not known; allowed: {', '.join(COMPONENTS)}.")
         return self.tensor[COMPONENTS.index(name)]
@@ -87,10 +111,27 @@ class Stresses:
         return self._principal[1]
 
     def plane(self, field: FloatArray, normal: str, at: float = 0.0) -> FloatArray:
-        """Return a field in a plane across x or y, shape (…, depths, n).
+        """Return a field in a plane across x or y.
 
-        field: of shape (…, depths, nx, ny). normal: "x" or "y". at: where the plane lies, from the middle of
-        the array; between cells it is a straight line between their values.
+        Parameters
+        ----------
+        field : array
+            Of shape (…, depths, nx, ny).
+        normal : {"x", "y"}
+            Across which axis the plane lies.
+        at : float
+            Where it lies, from the middle of the array; between cells it is a straight line between their
+            values.
+
+        Returns
+        -------
+        array
+            Of shape (…, depths, n).
+
+        Raises
+        ------
+        InputError
+            For another normal, and for a place beyond the array.
         """
         if normal not in ("x", "y"):
             raise InputError(f"normal = {normal!r} is not known; allowed: 'x' and 'y'.")
@@ -106,7 +147,23 @@ class Stresses:
         return (1.0 - part) * field.take(low, axis) + part * field.take(high, axis)
 
     def yielding(self, limit: float) -> Yielding:
-        """Return where von Mises' stress exceeds a yield stress."""
+        """Return where von Mises' stress exceeds a yield stress.
+
+        Parameters
+        ----------
+        limit : float
+            The yield stress.
+
+        Returns
+        -------
+        Yielding
+            Depth of the deepest such place, shares of each depth's area, and volume.
+
+        Raises
+        ------
+        InputError
+            For a limit that is no positive number.
+        """
         limit = number("limit", limit, optional=False)
         shares: FloatArray = (self.mises > limit).mean(axis=(1, 2))
         volume = float(np.trapezoid(shares, self.depths)) * self.mises[0].size * self.cell**2
@@ -117,9 +174,25 @@ class Stresses:
     ) -> "Cycle":
         """Return the fatigue measures of a straight cycle between this state and another.
 
-        bending, torsion: limits of fully reversed loading. length: of the material, over whose square,
-        parallel to the surface, both stresses are averaged first; without it hot spots at the edge of a
-        contact grow as cells shrink.
+        Parameters
+        ----------
+        other : Stresses
+            The other end of the cycle.
+        bending, torsion : float
+            Limits of fully reversed loading.
+        length : float, optional
+            Of the material, over whose square, parallel to the surface, both stresses are averaged first;
+            without it hot spots at the edge of a contact grow as cells shrink.
+
+        Returns
+        -------
+        Cycle
+            The measures of Crossland and of Dang Van at every depth and cell.
+
+        Raises
+        ------
+        InputError
+            For limits that exclude each other, and for a state of another shape.
         """
         bending = number("bending", bending, optional=False)
         torsion = number("torsion", torsion, optional=False)
@@ -138,7 +211,23 @@ class Stresses:
         return Cycle(self.depths, self.cell, torsion, *fields)
 
     def averaged(self, length: float | None) -> "Stresses":
-        """Return the stresses averaged over squares of a side parallel to the surface; None: as they are."""
+        """Return the stresses averaged over squares parallel to the surface.
+
+        Parameters
+        ----------
+        length : float or None
+            Side of the squares; None for the stresses as they are.
+
+        Returns
+        -------
+        Stresses
+            Of the same shape.
+
+        Raises
+        ------
+        InputError
+            For a side larger than the array.
+        """
         length = number("length", length)
         if length is None or length <= self.cell:
             return self
@@ -152,10 +241,28 @@ class Stresses:
         return Stresses(self.depths, tensor, self.cell, self.boundary, self.traction)
 
     def ruiz(self, slip: npt.ArrayLike) -> FloatArray:
-        """Return Ruiz and Chen's second parameter, shape (nx, ny): tension at the surface × traction × slip.
+        """Return Ruiz and Chen's second parameter: tension at the surface × traction × slip.
 
-        It ranks places of one contact, and is no criterion: it has no limit of a material (Ruiz, Boddington
-        and Chen 1984, Exp. Mech. 24, 208). slip: of each cell, a length, shape (nx, ny).
+        It ranks places of one contact, and is no criterion: it has no limit of a material.
+
+        Parameters
+        ----------
+        slip : array
+            Of each cell, a length, shape (nx, ny).
+
+        Returns
+        -------
+        array
+            Of shape (nx, ny).
+
+        Raises
+        ------
+        InputError
+            For stresses without a traction or without the depth 0, and for a slip of another shape.
+
+        References
+        ----------
+        C. Ruiz, P. H. B. Boddington and K. C. Chen, Experimental Mechanics 24 (1984) 208.
         """
         sizes, *_ = checked_heights(slip, 1, name="slip")
         if self.traction is None or self.depths[0] != 0.0 or sizes.shape != self.tensor.shape[2:]:
@@ -223,21 +330,48 @@ def stresses(
 ) -> Stresses:
     """Return the elastic stresses at depths below a contact, from its pressure and its traction.
 
-    contact: what `solve_contact` returned for a half-space, or `solve_tangential`, with its traction; or any
-    pressure, an array of shape (nx, ny), which needs cell and boundary. depths: lengths from 0, rising; one
-    or several. poisson: Poisson's ratio of the body below. traction: (qx, qy), each an array of the
-    pressure's shape, or None for no traction along that axis; or what has such a pair as its `traction`, as a
-    sheared contact. It acts on the body below; on the other body acts its opposite. cell: width of the cells.
-    boundary: "free", where nothing lies beside the array, "periodic", or "line", periodic along axis 1 alone;
-    by default the contact's. threads: of the CPU, by default every core; no result depends on it.
-
     Numbers are in the contact's units. A free surface's loads are uniform over each cell; a periodic one's
     are its waves, and its sides are held. At the surface the tension beside an edge under traction is too
     small by a part that falls as the square root of the cell, and at z = 0 the stress is that at a cell's
     middle. A second body needs a call of its own, with its Poisson's ratio and the opposite traction. Memory:
-    six numbers for each cell and depth, said where it is 2 GiB or more. Raises InputError for what is not
-    possible.
+    six numbers for each cell and depth, said where it is 2 GiB or more.
 
+    Parameters
+    ----------
+    contact : ArrayContact, ShearedContact or array
+        What `solve_contact` returned for a half-space, or `solve_tangential`, with its traction; or any
+        pressure, shape (nx, ny), which needs cell and boundary.
+    depths : float or array
+        Lengths from 0, rising; one or several.
+    poisson : float
+        Poisson's ratio of the body below.
+    traction : pair of array, or ShearedContact, optional
+        ``(qx, qy)``, each of the pressure's shape, or None for no traction along that axis; or what has such
+        a pair as its `traction`. It acts on the body below; on the other body acts its opposite.
+    cell : float, optional
+        Width of the cells, of a pressure.
+    boundary : {"free", "periodic", "line"}, optional
+        "free", where nothing lies beside the array, "periodic", or "line", periodic along axis 1 alone; by
+        default the contact's.
+    threads : int, optional
+        Of the CPU, by default every core; no result depends on it.
+
+    Returns
+    -------
+    Stresses
+        The six components at every depth and cell, and measures of them.
+
+    Raises
+    ------
+    InputError
+        For what is not possible, and where there is less memory than it needs.
+
+    References
+    ----------
+    A. E. H. Love, 1929 (uniform pressure on a rectangle). K. L. Johnson, Contact Mechanics, 1985, chapter 3.
+
+    Examples
+    --------
     >>> contact = warpwear.solve_contact(
     ...     np.zeros((65, 65)), cell=0.05, load=1.0, modulus=1.0, counter_radius=1.0
     ... )

@@ -15,7 +15,7 @@ from warpwear.measured.friction.figures import course_figure, figures_of
 from warpwear.measured.friction.report import HOW, rows_of, table_of
 from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
-from warpwear.measured.report import Report
+from warpwear.measured.report import FileReport
 from warpwear.measured.rows import Paths, read_rows
 from warpwear.page.folder import write_report
 from warpwear.page.html import page_of
@@ -31,18 +31,29 @@ SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loop
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class FrictionRecord(Report):
+class FrictionRecord(FileReport):
     """A record of friction has steps with courses and what happens in them; `print` shows its numbers.
 
-    analysis: its steps (course, laps, events, energy), friction loops, and what was left out.
+    Attributes
+    ----------
+    analysis : Analysis
+        Its steps (course, laps, events, energy), friction loops, and what was left out.
     """
 
     analysis: Analysis
 
     def to_dataframe(self) -> Any:
-        """Return the course as a pandas.DataFrame: a row a lap, cycle or group of them, units in the names.
+        """Return the course as a table.
 
-        Raises InputError where pandas is not installed.
+        Returns
+        -------
+        pandas.DataFrame
+            A row a lap, cycle or group of them, units in the names.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
         """
         return package("pandas", "to_dataframe").read_csv(io.StringIO(table_of(self.analysis)))
 

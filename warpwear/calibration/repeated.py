@@ -1,0 +1,154 @@
+"""One number of several tests, its mean and scatter; and what calibrates a test, for those of a list."""
+
+import math
+import statistics
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests, weighted
+from warpwear.errors import InputError
+from warpwear.figures.wording import counted
+from warpwear.measured.report import Report
+from warpwear.result import opened
+from warpwear.results.report import Row
+
+#: Keys of a test that say what was done in it, beside what was measured.
+CONDITIONS = ("load", "distance", "area")
+
+
+class Repeated(Report):
+    """Hold one number of each of several tests."""
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Give the number of every test."""
+        raise NotImplementedError
+
+    @property
+    def errors(self) -> tuple[float | None, ...]:
+        """Give its standard uncertainty of every test, None where that is unknown."""
+        raise NotImplementedError
+
+    @property
+    def mean(self) -> float:
+        """Give the mean over the tests."""
+        return statistics.fmean(self.values)
+
+    @property
+    def deviation(self) -> float | None:
+        """Return the standard deviation of the tests, divided by n − 1; None of a single one."""
+        return statistics.stdev(self.values) if len(self.values) > 1 else None
+
+    @property
+    def uncertainty(self) -> float | None:
+        """Standard uncertainty of `mean`: from the scatter of several, else of the single one."""
+        return self.errors[0] if self.deviation is None else self.deviation / math.sqrt(len(self.values))
+
+    @property
+    def weighted(self) -> tuple[float, float, float] | None:
+        """Return the mean by 1/u² of the tests, its standard uncertainty, and Birge's ratio.
+
+        None where an uncertainty is not known, and of a single test.
+        """
+        return weighted(self.values, self.errors)
+
+    def _weighted(self, unit: str, *, factor: float = 1.0, scientific: bool = False) -> list[Row]:
+        """Declare the mean by the uncertainties of several tests themselves. unit: end of its key."""
+        if self.weighted is None:
+            return []
+        mean, error, ratio = self.weighted
+        note = f"by 1/u² of each; the tests scatter {ratio:.2g} times as much as their uncertainties say"
+        how: Any = {"error": (f"weighted_uncertainty{unit}", factor * error), "scientific": scientific}
+        row = Row("weighted", f"weighted_mean{unit}", factor * mean, note=note, **how)
+        return [row, Row("", "birge_ratio", ratio)]
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TestsCalibration(Repeated):
+    """Hold what each of several tests came to, and the mean of the number that they were made for.
+
+    Attributes
+    ----------
+    tests : dict
+        ``test.1`` and so on -> what the same function makes of it alone.
+    headlines : tuple of Row
+        The number of each, with its standard uncertainty.
+    """
+
+    tests: Mapping[str, Report]
+    headlines: tuple[Row, ...]
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Give the number of every test, in the unit that its key in `numbers` ends in."""
+        return tuple(row.value for row in self.headlines)
+
+    @property
+    def errors(self) -> tuple[float | None, ...]:
+        """Give its standard uncertainty of every test, from those of what was measured."""
+        return tuple(row.uncertainty[1] for row in self.headlines)
+
+    def _title(self) -> str:
+        return f"{self.headlines[0].label} of {counted(len(self.tests), 'test')}"
+
+    def __repr__(self) -> str:
+        return f"<{self._title()}: {self._rows()[0].text}>"
+
+    def _rows(self) -> list[Row]:
+        row, unit = self.headlines[0], self.headlines[0].ending
+        note = "" if self.uncertainty is None else "(standard uncertainty)"
+        scatter = Row("scatter", f"standard_deviation{unit}", self.deviation, digits=2)
+        mean = replace(row, value=self.mean, error=self.uncertainty, note=note)
+        return [mean, scatter, *self._weighted(unit), Row("", "tests", self._table())]
+
+    def _table(self) -> list[list[Row]]:
+        named = zip(self.tests, self.headlines, strict=True)
+        return [[Row("", "name", name), replace(row, label=name)] for name, row in named]
+
+
+def each_test(
+    one: Callable[..., Any], tests: Tests, keys: Mapping[str, str], options: Mapping[str, Any]
+) -> TestsCalibration:
+    """Calibrate each of the tests in which was measured what is needed.
+
+    one: calibrates a test by its options. keys: of a test -> option. options: of all tests; the conditions of
+    a study or a result among them hold. Raises InputError.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    study = given.get("study")
+    if "result" in given:
+        with opened(given["result"]) as result:
+            study = result.study
+    names = {key: name for key, name in keys.items() if study is None or key not in CONDITIONS}
+    alike = {key: given.pop(name) for key, name in names.items() if name in given}
+    measured = names.keys() - {*CONDITIONS}
+    for key in measured & alike.keys():
+        raise InputError(f"--{names[key]} and a list of tests exclude each other: the list has it")
+    offset = given.get("ploughing", study.friction.ploughing if study else 0.0)
+    found: dict[str, Any] = {}
+    headlines = []
+    for named, test in checked_tests(tests, **alike).items():
+        if study is not None:
+            check_conditions(test, named, study)
+        values = {key: value for key in names if (value := getattr(test, key)) is not None}
+        if not measured & values.keys():
+            continue
+        if test.friction and test.friction.at:
+            raise InputError(f"{named}.friction is at a distance: allowed is that of the whole test")
+        numbers = {key: value for key, value in values.items() if isinstance(value, Value)}
+        values |= {key: number.value for key, number in numbers.items()}
+        try:
+            found[named] = one(**given, **{names[key]: value for key, value in values.items()})
+            row = found[named].headline
+        except InputError as error:
+            text = error.sentence
+            for key, name in names.items():
+                text = text.replace(f"--{name}", f"{named}.{key}")
+            raise InputError(text) from error.__cause__
+        of = {key: n.value - offset * (key == "friction") for key, n in numbers.items()}
+        shares = [row.value * n.error / of[key] for key, n in numbers.items() if n.error]
+        headlines.append(replace(row, error=math.hypot(row.uncertainty[1] or 0.0, *shares) or None))
+    if not found:
+        raise InputError(f"what was measured is missing: one of {', '.join(sorted(measured))}")
+    return TestsCalibration(tests=found, headlines=tuple(headlines))
