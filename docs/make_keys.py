@@ -29,11 +29,13 @@ that is marked *assumed* is a choice of ours, with its reason. A key that is giv
 """
 OF_TESTS = """\
 Each table is a test; repeated tests have one each. They stand in a file of their own or in that of a study,
-for `warpwear calibrate wear FILE` and `warpwear calibrate bayes STUDY`; in Python they are dictionaries. A
-number may end in its standard uncertainty: `"0.80 +- 0.02 mm"`. A scar may have two diameters across each
-other, `["0.80 mm", "0.82 mm"]`, and a coefficient of friction its distance, `"0.2 +- 0.02 at 30 mm"`; without
-it is that of the end. Files lie beside the one that names them. `calibrate wear` takes load, distance and
-lengths of a test, or else the study's; in an inference they have to agree with the study.
+for `warpwear calibrate wear FILE`, `friction`, `energy` and `loop` alike, and for `warpwear calibrate bayes
+STUDY`; in Python they are dictionaries. Each takes what it needs: `calibrate friction` friction, or record
+with `--result`; `calibrate energy` friction, `calibrate loop` loop. A number may end in its standard
+uncertainty: `"0.80 +- 0.02 mm"`. A scar may have two diameters across each other, `["0.80 mm", "0.82 mm"]`,
+and in an inference a coefficient of friction its distance, `"0.2 +- 0.02 at 30 mm"`; without it is that of the
+end. Files lie beside the one that names them. Load, distance and lengths are those of a test, or else of the
+study around the list; beside `--result` or `--study`, and in an inference, they have to agree with the study.
 """
 OF_INFER = """\
 This section stands in a study file for `warpwear calibrate bayes`; see [Inference](../how-to/inference.md).

@@ -10,6 +10,7 @@ from warpwear.calibration.energy import EnergyCalibration as EnergyCalibration
 from warpwear.calibration.energy import calibrate_energy as calibrate_energy
 from warpwear.calibration.loop import LoopCalibration as LoopCalibration
 from warpwear.calibration.loop import calibrate_loop as calibrate_loop
+from warpwear.calibration.repeated import CalibratedTests as CalibratedTests
 from warpwear.calibration.strength import FrictionCalibration as FrictionCalibration
 from warpwear.calibration.strength import calibrate_friction as calibrate_friction
 from warpwear.comparison.compare import ComparedRuns as ComparedRuns
@@ -31,8 +32,11 @@ from warpwear.errors import InputError as InputError
 from warpwear.errors import InvariantError as InvariantError
 from warpwear.errors import StudyWarning as StudyWarning
 from warpwear.history.snapshot import Snapshot as Snapshot
+from warpwear.laws.archard import WearLaw as WearLaw
+from warpwear.laws.friction import FrictionLaw as FrictionLaw
 from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
 from warpwear.measured.friction.record import read_record as read_record
+from warpwear.measured.report import FileReport as FileReport
 from warpwear.measured.report import Report as Report
 from warpwear.measured.surface import MeasuredProfile as MeasuredProfile
 from warpwear.measured.surface import WornBody as WornBody

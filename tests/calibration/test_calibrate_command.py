@@ -394,3 +394,86 @@ def test_a_static_contact_dissipates_nothing(tmp_path: Path) -> None:
     )
     warpwear.run(study, out=tmp_path / "static", plots=False)
     assert "is a static contact" in str(calibrate("energy", "--result", tmp_path / "static").exception)
+
+
+def listed(path: Path, tests: list[dict[str, str]]) -> Path:
+    lines = ("[[test]]\n" + "".join(f'{key} = "{value}"\n' for key, value in test.items()) for test in tests)
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+def test_a_list_of_tests_gives_shear_strengths_and_energies(tmp_path: Path) -> None:
+    """τ0 = (μ − μ_p) F/A and μ F L, whose errors are those of what was measured."""
+    tests = [
+        {"friction": "0.6 +- 0.02", "load": "8 N", "area": "1.25 +- 0.05 mm^2", "distance": "2400 mm"},
+        {"friction": "0.5", "load": "4 +- 0.1 N", "area": "0.7 mm^2", "distance": "1 m", "scar": "1 mm"},
+        {"scar": "0.8 mm"},
+    ]
+    path = listed(tmp_path / "tests.toml", tests)
+    tau = warpwear.calibrate_friction(tests, ploughing=0.1)
+    assert isinstance(tau, warpwear.CalibratedTests)
+    assert list(tau.tests) == ["test.1", "test.2"]
+    assert tau.values == pytest.approx((0.5 * 8 / 1.25, 0.4 * 4 / 0.7))
+    parts = [math.hypot(0.02 / 0.5, 0.05 / 1.25), 0.1 / 4]
+    assert tau.errors == pytest.approx([value * part for value, part in zip(tau.values, parts, strict=True)])
+    assert tau.mean == pytest.approx(sum(tau.values) / 2)
+    found = record("friction", path, "--ploughing", 0.1)
+    assert found == json.loads(json.dumps(tau.numbers))
+    assert found["shear_strength_error_MPa"] == pytest.approx(abs(tau.values[0] - tau.values[1]) / 2)
+    assert list(tau.to_dataframe()["name"]) == ["test.1", "test.2"]
+    energy = warpwear.calibrate_energy(path)
+    assert isinstance(energy, warpwear.CalibratedTests)
+    assert energy.values == pytest.approx((11.52, 2.0))
+    assert energy.errors == pytest.approx((11.52 * 0.02 / 0.6, 2.0 * 0.1 / 4))
+    assert repr(energy).startswith("<energy of 2 tests: 6.76 ± 4.8 J")
+
+
+def test_a_list_beside_a_run_has_its_load(run: Path, tmp_path: Path) -> None:
+    with warpwear.Result.open(run) as result:
+        study, history = result.study, result.history
+    path = listed(tmp_path / "tests.toml", [{"friction": "0.6 +- 0.02", "load": "8 N"}, {"friction": "0.7"}])
+    found = record("friction", path, "--result", run)
+    areas = {"initial": history["area_contact"][0], "end": history["area_contact"][-1]}
+    single = 8.0 / areas[study.friction.calibrate]
+    assert [test["shear_strength_MPa"] for test in found["tests"]] == pytest.approx(
+        [0.6 * single, 0.7 * single]
+    )
+    assert found["tests"][0]["shear_strength_error_MPa"] == pytest.approx(0.02 * single)
+    file = tmp_path / "measured.csv"
+    where = np.linspace(0.5, 290.0, 300)
+    area = np.interp(where, history["distance"], history["area_contact"])
+    np.savetxt(file, np.c_[where, 0.1 + 0.5 * area], delimiter=",", header="distance [mm],cof", comments="")
+    fits = warpwear.calibrate_friction([{"record": file}, {"record": str(file)}], result=run, area="contact")
+    assert isinstance(fits, warpwear.CalibratedTests)
+    assert fits.values == pytest.approx((4.0, 4.0))
+    with pytest.raises(InputError, match=r"^test\.1\.load is 7, and the study has 8: they have to agree"):
+        warpwear.calibrate_friction([{"friction": 0.6, "load": "7 N"}], result=run)
+
+
+def test_a_result_in_memory_calibrates() -> None:
+    study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "3 mm"})
+    result = warpwear.run(study, plots=False)
+    tau = warpwear.calibrate_friction(result=result, cof=0.6)
+    assert isinstance(tau, warpwear.FrictionCalibration)
+    assert "'v3-fine' in memory" in str(tau)
+    energy = warpwear.calibrate_energy(result=result)
+    assert isinstance(energy, warpwear.EnergyCalibration)
+    assert energy.energy == pytest.approx(result.history["friction_energy"][-1])
+    assert result.finished  # it is not closed
+
+
+@pytest.mark.parametrize(
+    ("tests", "options", "says"),
+    [
+        ([{"friction": 0.6}], {}, r"^the area is missing: .*test\.1\.area and test\.1\.load"),
+        ([{"scar": "1 mm"}], {}, "^what was measured is missing: one of friction, record"),
+        ([{"friction": 0.6}], {"cof": 0.5}, "^cof and a list of tests exclude each other"),
+        ([{"friction": "0.6 at 3 mm"}], {}, r"^test\.1\.friction is at a distance"),
+        ([{"friction": 4, "area": "1 mm^2", "load": "1 N"}], {}, r"^test\.1\.friction = 4"),
+        ([{"fricton": 0.6}], {}, "fricton"),
+        ([{"record": "none.csv", "load": "1 N"}], {}, r"^test\.1\.record needs result"),
+    ],
+)
+def test_refusals_of_a_list(tests: list[dict[str, Any]], options: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        warpwear.calibrate_friction(tests, **options)

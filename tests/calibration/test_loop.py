@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from warpwear import InputError, Study
+from warpwear import CalibratedTests, InputError, Study
 from warpwear.calibration.loop import calibrate_loop
 from warpwear.cli.main import commands
 from warpwear.drafts.draft import draft
@@ -96,3 +96,25 @@ def test_the_command_and_its_refusals(tmp_path: Path) -> None:
         calibrate_loop(written(file, slide=0.024), study=str(strip_in(tmp_path)))
     with pytest.raises(InputError, match="load is missing"):
         calibrate_loop(written(file, slide=0.024))
+
+
+def test_several_loops_give_mean_and_scatter(tmp_path: Path) -> None:
+    """The load's error is that of each coefficient; a list beside a study has its load."""
+    files = [written(tmp_path / f"{n}.csv", slide=slide) for n, slide in enumerate((0.024, 0.03))]
+    tests = [{"loop": str(file), "load": "20 +- 0.4 N"} for file in files]
+    found = calibrate_loop(tests)
+    assert isinstance(found, CalibratedTests)
+    assert found.values == pytest.approx([calibrate_loop(file, load="20 N").coefficient for file in files])
+    assert found.errors == pytest.approx([0.02 * value for value in found.values])
+    path = tmp_path / "loops.toml"
+    path.write_text("".join(f'[[test]]\nloop = "{n}.csv"\n' for n in (0, 1)), encoding="utf-8")
+    with_study = calibrate_loop(path, study=study_in(tmp_path))
+    assert with_study.values == found.values
+    assert with_study.tests["test.1"].rig == pytest.approx(0.0, abs=1e-5)
+    done = CliRunner().invoke(commands, ["calibrate", "loop", str(path), "--load", "20 N"])
+    assert done.output.startswith("coefficient of 2 tests")
+    partial = {"loop": written(tmp_path / "partial.csv", slide=0.0, ratio=0.6), "load": "20 N"}
+    with pytest.raises(InputError, match="partial slip, which tells no coefficient"):
+        calibrate_loop([partial])
+    with pytest.raises(InputError, match=r"^test\.1\.load is missing"):
+        calibrate_loop(path)

@@ -1,5 +1,6 @@
 """The page that sets Python beside the command line: each row runs, and prints what the command does."""
 
+import inspect
 import re
 import shlex
 import shutil
@@ -12,6 +13,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import warpwear
+from warpwear.batches.batch import executor_for
 from warpwear.cli.main import commands
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -69,6 +72,9 @@ def test_rows_do_what_the_commands_do(
     angle = np.arange(0.0, 2.0 * np.pi, 0.01)
     loop = np.column_stack([20.0 * np.cos(angle), 12.0 * np.clip(3.0 * np.cos(angle - 0.9), -1.0, 1.0)])
     np.savetxt("loop.csv", loop, delimiter=",", header="Displacement [um],Friction force [N]", comments="")
+    tests = '[[test]]\nfriction = "0.60 +- 0.02"\nload = "8 N"\ndistance = "2400 mm"\narea = "1.254 mm^2"\n'
+    loops = '[[test]]\nloop = "loop.csv"\nload = "20 N"\n'
+    Path("tests.toml").write_text(f"{tests}\n{tests.replace('0.60', '0.63')}\n{loops}", encoding="utf-8")
     space: dict[str, Any] = {}
     for words, python in rows():
         capsys.readouterr()
@@ -80,4 +86,24 @@ def test_rows_do_what_the_commands_do(
             assert done.stdout.strip() in (printed.strip(), f"{printed.strip()}\nwritten to disc.png"), words
     made = {path.name for path in tmp_path.iterdir()}
     assert made >= {"my-test.toml", "my-test", "cof.png", "my-test.gif", "exported", "disc.png", "record"}
-    assert made >= {"loads", "comparison"}
+    assert made >= {"loads", "comparison", "drawn", "shared"}
+    assert "on 1 worker" in space["cost"]
+    assert any(Path("drawn/figures").iterdir())
+    assert Path("drawn/runs").resolve() == Path("shared").resolve()
+
+
+def test_laws_are_functions_of_arrays() -> None:
+    (box,) = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.M)
+    space: dict[str, Any] = {}
+    exec(box, space)
+    assert space["k_disc"].shape == space["stress"].shape == (2, 3)
+    assert (space["stress"] == 5.0).all()
+
+
+def test_options_of_a_sweep_are_those_of_python() -> None:
+    """Each option of the command is a parameter of `sweep`, or of what makes the runs."""
+    known = {*inspect.signature(warpwear.sweep).parameters, *inspect.signature(executor_for).parameters}
+    of_python = {"changes": "study", "resume": "out"}  # the study is changed before; a folder is gone on with
+    for parameter in commands.commands["sweep"].params:
+        name = str(parameter.name)
+        assert of_python.get(name, name) in known | {"device"}, name

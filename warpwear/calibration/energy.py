@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import Tests
-from warpwear.calibration.repeated import TestsCalibration, each_test
+from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.laws.archard import BODIES
 from warpwear.measured.options import COF, Options, number, quantity
@@ -20,7 +20,7 @@ from warpwear.study.units import several
 #: Speeds that are shown where none is named.
 SPEEDS = ("10 mm/min", "20 mm/min", "50 mm/min", "100 mm/min")
 #: Key of a test -> option.
-KEYS = {"friction": "cof", "load": "load", "distance": "distance", "area": "area"}
+KEYS = {"friction": "cof", "load": "load", "distance": "distance"}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -111,7 +111,7 @@ def calibrate_energy(
     cof: float | None = None,
     area: Any = None,
     speeds: Sequence[Any] = SPEEDS,
-) -> EnergyCalibration | TestsCalibration:
+) -> EnergyCalibration | CalibratedTests:
     """Find the energy that friction dissipates in a run, or by a constant coefficient.
 
     Parameters
@@ -133,7 +133,7 @@ def calibrate_energy(
 
     Returns
     -------
-    EnergyCalibration or TestsCalibration
+    EnergyCalibration or CalibratedTests
         The energy, and a row a speed. Of a list of tests each, their mean and scatter.
 
     Raises

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import Tests
-from warpwear.calibration.repeated import TestsCalibration, each_test
+from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import choose
@@ -41,8 +41,8 @@ class LoopCalibration(Report):
         Width of the loop at no force, and what the drive moves to and fro [mm].
     energy : float
         Energy of the cycle [mJ]; `energy_ratio` is that over 4 Q Δ.
-    compliance : float
-        What yields behind the tips, in all [mm/N]; `contact` of that by the contact, where a study tells.
+    compliance, contact : float
+        What yields behind the tips [mm/N], in all, and by the contact, None where no study tells.
     points : int
         Points of the cycle.
     source : str
@@ -125,7 +125,7 @@ class LoopCalibration(Report):
 @named_in_python()
 def calibrate_loop(
     tests: Tests, *, study: Study | str | Path | None = None, load: Any = None
-) -> LoopCalibration | TestsCalibration:
+) -> LoopCalibration | CalibratedTests:
     """Find coefficient of friction, slip and compliance of the rig from one cycle of fretting.
 
     Parameters
@@ -142,7 +142,7 @@ def calibrate_loop(
 
     Returns
     -------
-    LoopCalibration or TestsCalibration
+    LoopCalibration or CalibratedTests
         The numbers of the cycle. Of a list of tests each, and mean and scatter of the coefficient.
 
     Raises

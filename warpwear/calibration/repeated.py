@@ -65,7 +65,7 @@ class Repeated(Report):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class TestsCalibration(Repeated):
+class CalibratedTests(Repeated):
     """Hold what each of several tests came to, and the mean of the number that they were made for.
 
     Attributes
@@ -109,7 +109,7 @@ class TestsCalibration(Repeated):
 
 def each_test(
     one: Callable[..., Any], tests: Tests, keys: Mapping[str, str], options: Mapping[str, Any]
-) -> TestsCalibration:
+) -> CalibratedTests:
     """Calibrate each of the tests in which was measured what is needed.
 
     one: calibrates a test by its options. keys: of a test -> option. options: of all tests; the conditions of
@@ -151,4 +151,4 @@ def each_test(
         headlines.append(replace(row, error=math.hypot(row.uncertainty[1] or 0.0, *shares) or None))
     if not found:
         raise InputError(f"what was measured is missing: one of {', '.join(sorted(measured))}")
-    return TestsCalibration(tests=found, headlines=tuple(headlines))
+    return CalibratedTests(tests=found, headlines=tuple(headlines))

@@ -8,7 +8,7 @@ from typing import Any
 
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.calibration.measurements import Tests
-from warpwear.calibration.repeated import TestsCalibration, each_test
+from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
@@ -45,6 +45,8 @@ class FrictionCalibration(Report):
         Of a course of friction: `shear_strength`, `ploughing`, their standard errors, and `doubts`.
     main : str
         Name of that by which friction goes: of a run by its law's area, at the time that fixes it.
+    title, rows, areas, after : str, tuple of Row, dict
+        What is printed.
     """
 
     shear_strengths: Mapping[str, float]
@@ -96,7 +98,7 @@ def calibrate_friction(
     columns: str | None = None,
     stroke: Any = None,
     speed: Any = None,
-) -> FrictionCalibration | TestsCalibration:
+) -> FrictionCalibration | CalibratedTests:
     """Find the shear strength τ0 of μ = μ_p + τ0 A/F from a measured coefficient or course.
 
     Parameters
@@ -121,7 +123,7 @@ def calibrate_friction(
 
     Returns
     -------
-    FrictionCalibration or TestsCalibration
+    FrictionCalibration or CalibratedTests
         Shear strengths [MPa]; of a course its fit. Of a list of tests each, their mean and scatter.
 
     Raises

@@ -14,13 +14,14 @@ from warpwear.errors import in_python, named_in_python
 from warpwear.measured.options import flag, refuse
 from warpwear.measured.rows import Paths
 from warpwear.measured.surface import HowToRead, Length, check_options
+from warpwear.page.folder import WrittenAsFolder
 from warpwear.result import Result
 from warpwear.results.frames import package
 from warpwear.study.units import several
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ComparedRuns(Comparison):
+class ComparedRuns(Comparison, WrittenAsFolder):
     """Runs in groups, experiments and a measured scar are laid beside each other; `print` shows the table.
 
     Attributes
@@ -55,29 +56,8 @@ class ComparedRuns(Comparison):
         frame.attrs["units"] = UNITS
         return frame
 
-    def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
-        """Write page, tables and figures into a folder, all of them or none.
-
-        Parameters
-        ----------
-        folder
-            A new or an empty one, or with overwrite that of a comparison.
-        file_format
-            Of the figures: "png", "pdf" or "svg".
-        overwrite
-            Whether to replace the comparison that the folder holds.
-
-        Returns
-        -------
-        list of Path
-            Of all files.
-
-        Raises
-        ------
-        InputError
-            For a folder that holds other files, or another format.
-        """
-        return write(self, Path(folder), file_format=file_format, overwrite=overwrite)
+    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+        return write(self, folder, file_format=file_format, overwrite=overwrite)
 
 
 @named_in_python()

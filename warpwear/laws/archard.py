@@ -35,8 +35,21 @@ class Scales:
 class WearLaw(Scales):
     """Archard's law V = K F L has one K of a body [mm²/N] at all distances.
 
-    A law is integrated over a step, not sampled: volumes do not depend on the step's size. Its numbers may be
-    arrays that broadcast with the distances.
+    `Study.wear_laws` has those of both bodies; called with pressures and distances, a law gives K there. Runs
+    integrate it over a step: volumes do not depend on the step's size.
+
+    Attributes
+    ----------
+    steady : float
+        K in the long run, where nothing presses [mm²/N]; as other numbers of laws also an array that
+        broadcasts with the distances.
+
+    Examples
+    --------
+    >>> keys = {"law": "running-in", "initial_disc": "3e-3 mm^3/N/m", "running_in": "40 mm"}
+    >>> counter, disc = warpwear.Study.load("v3-fine").replace(wear=keys).wear_laws
+    >>> (1e3 * disc(distance=np.array([0.0, 40.0, 4000.0]))).round(5).tolist()  # mm³/(N·m)
+    [0.003, 0.00191, 0.00127]
     """
 
     SCALES: ClassVar[bool] = True
@@ -96,12 +109,41 @@ class WearLaw(Scales):
         pairs = zip(self.coefficients, other.coefficients, strict=True)
         return all(k * other.steady == of_other * self.steady for k, of_other in pairs)
 
+    @property
+    def terms(self) -> tuple[tuple[float, float | None], ...]:
+        """Return what K is the sum of [mm²/N], each with the length of its decay [mm] or None."""
+        return ((self.steady, None),)
+
+    def __call__(self, *, pressure: Any = 0.0, distance: Any = 0.0) -> FloatArray:
+        """Return K of a cell [mm²/N], the depth that it wears over its pressure and a short way.
+
+        Parameters
+        ----------
+        pressure : float or array
+            Of the cell [MPa]; above 0 where wear does not go by the pressure alone.
+        distance : float or array
+            Slid before [mm]; broadcasts with the pressure.
+
+        Returns
+        -------
+        array
+            K at each; 1 mm²/N is 1000 mm³/(N·m).
+        """
+        pressure, distance = np.broadcast_arrays(pressure, distance)
+        if self.over_pressure[0]:
+            return np.interp(pressure, *self.over_pressure)
+        return np.asarray(self._sum(lambda n: np.ones_like(distance) if n is None else np.exp(-distance / n)))
+
     def wear_per_pressure(self, start: float, increment: Number) -> Number:
         """Return ∫ K dL, the depth that a unit of pressure wears [mm³/N].
 
         start: distance slid before [mm]. increment: slid while the pressure acts [mm].
         """
-        return self.steady * increment
+        return self._sum(lambda n: increment if n is None else of_decay(start, increment, n))
+
+    def _sum(self, way: Callable[[float | None], Any]) -> Any:
+        """Sum up the terms of K, each times what a function makes of its length."""
+        return sum(k * way(length) for k, length in self.terms)
 
     def wear_per_contact(self, start: float, increment: float) -> float:
         """Return the depth that an increment wears off a cell in contact, whatever its pressure [mm]."""
@@ -125,9 +167,10 @@ class ExponentialLaw(WearLaw):
 
     decay: float  # α [1/mm]
 
-    def wear_per_pressure(self, start: float, increment: Number) -> Number:
-        """Return ∫ K dL [mm³/N]; see `WearLaw`."""
-        return self.steady * of_decay(start, increment, 1.0 / self.decay)
+    @property
+    def terms(self) -> tuple[tuple[float, float | None], ...]:
+        """Return the one term of K; see `WearLaw`."""
+        return ((self.steady, 1.0 / self.decay),)
 
 
 @dataclass(frozen=True)
@@ -150,11 +193,11 @@ class RunningInLaw(WearLaw):
         if self.initial is None:
             object.__setattr__(self, "initial", self.steady)
 
-    def wear_per_pressure(self, start: float, increment: Number) -> Number:
-        """Return ∫ K dL [mm³/N]; see `WearLaw`."""
+    @property
+    def terms(self) -> tuple[tuple[float, float | None], ...]:
+        """Return K in the long run, and what it is more before; see `WearLaw`."""
         assert self.initial is not None
-        more = (self.initial - self.steady) * of_decay(start, increment, self.running_in)
-        return self.steady * increment + more
+        return (self.steady, None), (self.initial - self.steady, self.running_in)
 
 
 @dataclass(frozen=True)
@@ -186,6 +229,12 @@ class EnergyLaw(WearLaw):
     def scales(self) -> bool:
         """Tell whether all of τ goes with the pressure; see `Scales`."""
         return super().scales and self.shear == 0.0
+
+    def __call__(self, *, pressure: Any = 0.0, distance: Any = 0.0) -> FloatArray:
+        """Return α τ/p [mm²/N]; see `WearLaw`."""
+        by_pressure = super().__call__(pressure=pressure, distance=distance)
+        part = 1.0 + (self.ratio - 1.0) * np.exp(-np.asarray(distance) / self.running_in)
+        return by_pressure + (self.shear * part / pressure if self.shear else 0.0)
 
     def wear_per_contact(self, start: float, increment: float) -> float:
         """Return ∫ α τ dL [mm]; see `WearLaw`."""

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import Scales, of_decay
 from warpwear.laws.junctions import junction_strength
@@ -68,7 +69,25 @@ KEYS = (*NUMBERS, *FITTED, LARGEST, "area")
 
 @dataclass(frozen=True)
 class FrictionLaw(Scales):
-    """Holds what a contact's friction follows from: key of `KEYS` -> its value, a number also as an array."""
+    """Holds what a contact's friction follows from; `Study.friction_law` is that of a study.
+
+    Called with pressures, it gives the shear stress of cells.
+
+    Attributes
+    ----------
+    values : dict
+        Key of [friction] -> its value, a number also as an array.
+
+    Examples
+    --------
+    >>> keys = {"shear_strength": "5 MPa", "ploughing": 0.1}
+    >>> law = warpwear.Study.load("v3-fine").replace(friction=keys).friction_law
+    >>> pressure = np.array([0.0, 10.0, 40.0])
+    >>> law(pressure=pressure).tolist()
+    [0.0, 6.0, 9.0]
+    >>> float(law(pressure=pressure).sum() / pressure.sum())  # the coefficient of friction
+    0.3
+    """
 
     SCALES: ClassVar[bool] = True
     #: Key of what is the same at every step.
@@ -130,13 +149,61 @@ class FrictionLaw(Scales):
         return self._mean(bare, self.values[FILM_STRENGTH], history)
 
     def coefficient(self, history: Mapping[str, FloatArray], *, load: Load, **fit: Any) -> FloatArray:
-        """Return the coefficient of friction of every step; NaN while τ waits for the end."""
+        """Return the coefficient of friction of every step.
+
+        Parameters
+        ----------
+        history : dict
+            Columns of a run's history, or arrays by their names: distance [mm] and that of the area, such as
+            area_contact [mm²].
+        load : float or array
+            Normal load [N], of a programme that of every step.
+        **fit
+            finished: whether the history is whole; laps: of a ball on a track.
+
+        Returns
+        -------
+        array
+            NaN while τ waits for the end.
+        """
         area = history.get("area_sheared")
         if area is not None:  # what shears wears: the mean over the step, as if all cells of it were bare
             tau = self.final_strength(history, load=load, **fit) * self.factor(history)
         else:
             tau, area = self.strength(history, load=load, **fit), history[f"area_{self.area}"]
         return np.asarray(self.values[PLOUGHING] + tau * area / load)
+
+    def __call__(self, *, pressure: Any, distance: Any = 0.0, bare_fraction: Any = 1.0) -> FloatArray:
+        """Return the shear stress of cells [MPa]; its mean over that of their pressures is the friction.
+
+        Parameters
+        ----------
+        pressure : float or array
+            Of each cell [MPa], 0 out of contact.
+        distance : float or array
+            Slid before [mm]; broadcasts with the pressure.
+        bare_fraction : float or array
+            Part of a cell without film, where there is one.
+
+        Returns
+        -------
+        array
+            The shear stress of each cell.
+
+        Raises
+        ------
+        InputError
+            Where the shear strength is fitted to a measured coefficient, which takes a run.
+        """
+        share, strength = self.tractions
+        if strength is None:
+            raise InputError("friction.shear_strength is not given: a run fits it to friction.coefficient")
+        pressure, distance, bare_fraction = np.broadcast_arrays(pressure, distance, bare_fraction)
+        history = {"distance": distance, "bare_fraction": bare_fraction}
+        tau = self._mean(strength * self.factor(history), self.values[FILM_STRENGTH], history)
+        if self.values[LARGEST]:
+            tau = np.minimum(tau, self.values[LARGEST] * pressure)
+        return np.asarray(share * pressure + np.where(pressure > 0.0, tau, 0.0))
 
     @property
     def tractions(self) -> tuple[Any, Any]:

@@ -11,6 +11,7 @@ from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
+from warpwear.laws.friction import FrictionLaw
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask, FeatureLaw
@@ -382,6 +383,11 @@ class Content(Programme):
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
         return self.wear.laws(self.wear_hardness, self.friction)
+
+    @property
+    def friction_law(self) -> FrictionLaw:
+        """The law by which cells shear."""
+        return self.friction.law_with()
 
     @property
     def surface_laws(self) -> tuple[WearLaw, WearLaw]:

@@ -21,6 +21,7 @@ from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
 from warpwear.results.ensemble import band
+from warpwear.results.frames import package
 from warpwear.results.report import aligned
 from warpwear.study.study import Study
 
@@ -96,6 +97,21 @@ class Inference:
             row["learnt"] = float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))
             rows.append(row | {"pressed": unknown.key in pressing})
         return rows
+
+    def to_dataframe(self) -> Any:
+        """Return the unknowns as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row an unknown, as of `table`.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
+        """
+        return package("pandas", "to_dataframe").DataFrame(self.table)
 
     @property
     def correlations(self) -> FloatArray:

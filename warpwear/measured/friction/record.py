@@ -17,7 +17,7 @@ from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import FileReport
 from warpwear.measured.rows import Paths, read_rows
-from warpwear.page.folder import write_report
+from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.page.html import page_of
 from warpwear.results.folder import check_folder
 from warpwear.results.frames import package
@@ -31,7 +31,7 @@ SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loop
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class FrictionRecord(FileReport):
+class FrictionRecord(FileReport, WrittenAsFolder):
     """A record of friction has steps with courses and what happens in them; `print` shows its numbers.
 
     Attributes
@@ -57,29 +57,8 @@ class FrictionRecord(FileReport):
         """
         return package("pandas", "to_dataframe").read_csv(io.StringIO(table_of(self.analysis)))
 
-    def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
-        """Write page, tables and figures into a folder, all of them or none.
-
-        Parameters
-        ----------
-        folder
-            A new or an empty one, or with overwrite that of a record.
-        file_format
-            Of the figures: "png", "pdf" or "svg".
-        overwrite
-            Whether to replace the record that the folder holds.
-
-        Returns
-        -------
-        list of Path
-            Of all files.
-
-        Raises
-        ------
-        InputError
-            For a folder that holds other files, or another format.
-        """
-        folder, figures = Path(folder), figures_of(self.analysis)
+    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+        figures = figures_of(self.analysis)
         check_out(folder, file_format=file_format, overwrite=overwrite)
         content = {
             "name": f"Record {self.analysis.rows.path.name}",
