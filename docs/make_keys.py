@@ -33,9 +33,9 @@ for `warpwear calibrate wear FILE`, `friction`, `energy` and `loop` alike, and f
 STUDY`; in Python they are dictionaries. Each takes what it needs: `calibrate friction` friction, or record
 with `--result`; `calibrate energy` friction, `calibrate loop` loop. A number may end in its standard
 uncertainty: `"0.80 +- 0.02 mm"`. A scar may have two diameters across each other, `["0.80 mm", "0.82 mm"]`,
-and in an inference a coefficient of friction its distance, `"0.2 +- 0.02 at 30 mm"`; without it is that of the
-end. Files lie beside the one that names them. Load, distance and lengths are those of a test, or else of the
-study around the list; beside `--result` or `--study`, and in an inference, they have to agree with the study.
+and in an inference a coefficient of friction its distance, `"0.2 +- 0.02 at 30 mm"`; without it is that of
+the end. Files lie beside the one that names them. Load, distance and lengths are those of a test, or else of
+the study around the list; beside `--result` or `--study`, and in an inference, they have to agree with it.
 """
 OF_INFER = """\
 This section stands in a study file for `warpwear calibrate bayes`; see [Inference](../how-to/inference.md).

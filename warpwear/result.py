@@ -191,8 +191,9 @@ class Result(ResultFile):
 
 def opened(result: Result | str | Path) -> AbstractContextManager[Result]:
     """Open the result in a folder, closed at the end; one in memory is given as it is. Raises InputError."""
-    in_memory = isinstance(result, Result) and result.folder is None
-    return nullcontext(result) if in_memory else Result.open(result)
+    if isinstance(result, Result) and result.folder is None:
+        return nullcontext(result)
+    return Result.open(Path(result))
 
 
 def _to_html(result: Result) -> str:

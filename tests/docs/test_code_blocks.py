@@ -23,6 +23,9 @@ LEFT_OUT = {
     "README.md": {"plt.subplots": "tests/test_readme.py runs it"},
     "docs/how-to/sweeps.md": {"SLURMCluster": "needs a cluster"},
     "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests run one like it"},
+    "docs/reference/commands-in-python.md": {
+        "study.wear_laws": "tests/docs/test_commands_in_python.py runs it",
+    },
     "docs/developer/programs.md": {"program.loop(": "a part of warpwear/contact/search.py"},
     "docs/developer/kernels.md": {
         "def carried(": "tests/docs/test_kernels_page.py runs it",

@@ -74,7 +74,8 @@ def test_rows_do_what_the_commands_do(
     np.savetxt("loop.csv", loop, delimiter=",", header="Displacement [um],Friction force [N]", comments="")
     tests = '[[test]]\nfriction = "0.60 +- 0.02"\nload = "8 N"\ndistance = "2400 mm"\narea = "1.254 mm^2"\n'
     loops = '[[test]]\nloop = "loop.csv"\nload = "20 N"\n'
-    Path("tests.toml").write_text(f"{tests}\n{tests.replace('0.60', '0.63')}\n{loops}", encoding="utf-8")
+    Path("tests.toml").write_text(f"{tests}\n{tests.replace('0.60', '0.63')}", encoding="utf-8")
+    Path("loops.toml").write_text(loops, encoding="utf-8")
     space: dict[str, Any] = {}
     for words, python in rows():
         capsys.readouterr()

@@ -87,7 +87,8 @@ def run(
         Heights [mm] instead of the study's disc, positive out of the material, axis 0 along the sliding
         direction: an array of a height a cell of the domain, shape (nx, ny), or of the track of a swept run,
         shape (rows, ny); or an object with the methods of `warpwear.surfaces.base.Surface`, such as the
-        ``surface`` of `read_surface`, which is sampled there. Their mean is taken off: approaches count from
+        ``surface`` of `read_surface`, which is sampled there (read it with ``extend="mirror"`` where it is
+        smaller than the domain). Their mean is taken off: approaches count from
         it. With `out` they are saved as surface.npy, which the resolved study names, so that it runs again by
         itself. The share of the load on points that a measured one lacks is told and limited as that of a
         file; surface.npy does not say which these are.

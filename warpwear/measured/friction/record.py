@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from warpwear.errors import named_in_python
+from warpwear.errors import InputError, named_in_python
 from warpwear.figures import style
 from warpwear.figures.sections import under_headings
 from warpwear.measured.friction.analysis import Analysis, analyse
@@ -56,6 +56,10 @@ class FrictionRecord(FileReport, WrittenAsFolder):
             Where pandas is not installed.
         """
         return package("pandas", "to_dataframe").read_csv(io.StringIO(table_of(self.analysis)))
+
+    def __fspath__(self) -> str:
+        """Say what to give where a file is expected. Raises InputError."""
+        raise InputError(f"a record that was read is no file: write it, and give its {TABLE}")
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         figures = figures_of(self.analysis)
