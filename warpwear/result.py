@@ -4,7 +4,7 @@ import base64
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
@@ -189,7 +189,11 @@ class Result(ResultFile):
         return _to_html(self)
 
 
-def opened(result: Result | str | Path) -> AbstractContextManager[Result]:
+#: A run, or its folder.
+Run: TypeAlias = Result | str | Path
+
+
+def opened(result: Run) -> AbstractContextManager[Result]:
     """Open the result in a folder, closed at the end; one in memory is given as it is. Raises InputError."""
     if isinstance(result, Result) and result.folder is None:
         return nullcontext(result)

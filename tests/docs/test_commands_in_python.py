@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 import warpwear
-from warpwear.batches.batch import executor_for
+from warpwear.batches.batch import executor_for, local_executor
 from warpwear.cli.main import commands
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -103,7 +103,11 @@ def test_laws_are_functions_of_arrays() -> None:
 
 def test_options_of_a_sweep_are_those_of_python() -> None:
     """Each option of the command is a parameter of `sweep`, or of what makes the runs."""
-    known = {*inspect.signature(warpwear.sweep).parameters, *inspect.signature(executor_for).parameters}
+    known = {
+        name
+        for function in (warpwear.sweep, executor_for, local_executor)
+        for name in inspect.signature(function).parameters
+    }
     of_python = {"changes": "study", "resume": "out"}  # the study is changed before; a folder is gone on with
     for parameter in commands.commands["sweep"].params:
         name = str(parameter.name)

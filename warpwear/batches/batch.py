@@ -224,13 +224,12 @@ def executor_for(
     executor: Executor | None = None,
     cluster: str | None = None,
     insecure: bool = False,
-    workers: int | None = None,
-    gpus: Literal["all"] | None = None,
+    **here: Any,
 ) -> AbstractContextManager[tuple[Executor, int, int]]:
     """Give the executor that was asked for, the threads of a run, and the number of workers.
 
-    By default they are `workers` processes here, see `local_executor`. Raises InputError for what is none, or
-    does not go together.
+    here: without another executor as of `local_executor`. Raises InputError for what is none, or does not go
+    together.
     """
     if executor is not None:
         if not callable(getattr(executor, "submit", None)):
@@ -238,15 +237,15 @@ def executor_for(
             raise InputError(f"executor = {executor!r}: {expected}")
         return nullcontext((executor, 1, 1))
     if cluster is None:
-        return local_executor(plan, workers=workers, gpus=gpus is not None)
-    if workers is not None or gpus is not None:
+        return local_executor(plan, **here)
+    if any(value is not None for value in here.values()):
         raise InputError("--cluster excludes --workers and --gpus: its own workers make the runs.")
     return connected(cluster, insecure=insecure, device=plan.device)
 
 
 @contextmanager
 def local_executor(
-    plan: Plan, *, workers: int | None = None, gpus: bool = False
+    plan: Plan, *, workers: int | None = None, gpus: Literal["all"] | None = None
 ) -> Iterator[tuple[Executor, int, int]]:
     """Workers of this machine, by default one a core or one a GPU; the threads of a run; their number.
 

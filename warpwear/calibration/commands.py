@@ -31,12 +31,9 @@ def printed(function: Callable[..., Any], *, as_json: bool, **options: Any) -> s
 
 
 def friction(*, experiments: Sequence[Path] = (), **options: Any) -> str:
-    """Find a shear strength: the text for people, or JSON. Raises InputError."""
+    """Find a shear strength, of several courses each: the text for people, or JSON. Raises InputError."""
     if len(experiments) > 1:
-        raise InputError(
-            f"--experiment is given {len(experiments)} times, and one course is fitted at a time; "
-            "`warpwear calibrate bayes` takes repeated tests together, with their scatter"
-        )
+        return printed(calibrate_friction, **options | {"tests": [{"record": path} for path in experiments]})
     return printed(calibrate_friction, experiment=next(iter(experiments), None), **options)
 
 

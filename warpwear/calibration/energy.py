@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from warpwear.errors import InputError, named_in_python
 from warpwear.laws.archard import BODIES
 from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.measured.report import Report
-from warpwear.result import Result, opened
+from warpwear.result import Run, opened
 from warpwear.results.report import Row, lines, table
 from warpwear.study.units import several
 
@@ -105,7 +104,7 @@ class EnergyCalibration(Report):
 def calibrate_energy(
     tests: Tests | None = None,
     *,
-    result: Result | str | Path | None = None,
+    result: Run | None = None,
     load: Any = None,
     distance: Any = None,
     cof: float | None = None,
@@ -169,7 +168,7 @@ def calibrate_energy(
     )
 
 
-def _of_run(run: Result | str | Path, speeds: Sequence[float]) -> EnergyCalibration:
+def _of_run(run: Run, speeds: Sequence[float]) -> EnergyCalibration:
     """Find what a run dissipates, and what it wears. Raises InputError."""
     with opened(run) as result:
         history, finished, folder = result.history, result.finished, result.name

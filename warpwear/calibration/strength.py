@@ -15,7 +15,7 @@ from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import COF, PLOUGHING, Options, number, quantity
 from warpwear.measured.report import Report
-from warpwear.result import Result, opened
+from warpwear.result import Run, opened
 from warpwear.results.report import Row, lines, table
 from warpwear.study.study import Study
 
@@ -89,7 +89,7 @@ class FrictionCalibration(Report):
 def calibrate_friction(
     tests: Tests | None = None,
     *,
-    result: Result | str | Path | None = None,
+    result: Run | None = None,
     cof: float | None = None,
     ploughing: float | None = None,
     area: Any = None,
@@ -193,9 +193,7 @@ def _test_rows(load: float, cof: float, ploughing: float) -> list[Row]:
     ]
 
 
-def _of_run(
-    run: Result | str | Path, cof: float, ploughing: float | None, area: str | None
-) -> FrictionCalibration:
+def _of_run(run: Run, cof: float, ploughing: float | None, area: str | None) -> FrictionCalibration:
     """Declare τ0 from the areas of a run, at its start and at its end.
 
     ploughing: None for the run's. area: its name, None for all four.
@@ -241,9 +239,7 @@ def _law(study: Study, folder: str, **measured: float) -> FrictionLaw:
         raise InputError(f"{folder}: {error}") from None
 
 
-def _of_curve(
-    file: Path, run: Result | str | Path, area: str | None, reading: dict[str, Any]
-) -> FrictionCalibration:
+def _of_curve(file: Path, run: Run, area: str | None, reading: dict[str, Any]) -> FrictionCalibration:
     """Declare the fit of a measured curve with an area of a run.
 
     area: its name, None for the one by which the run's friction goes. reading: what `read_experiment` takes

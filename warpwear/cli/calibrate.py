@@ -101,7 +101,7 @@ def wear(file: Path | None, **options: Any) -> None:
     metavar="FILE",
     type=PATH,
     multiple=True,
-    help="One course: fits τ0 and μ_p with areas of --result.",
+    help="A course: fits τ0 and μ_p with areas of --result. Repeatable.",
 )
 @COLUMNS
 @click.option("--stroke", metavar="L", help="--experiment: length of one pass, where it counts cycles.")
