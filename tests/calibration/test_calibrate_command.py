@@ -357,7 +357,7 @@ BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
         (["friction", "--result", "none", "--cof", "0.6", "--load", "8 N"], "exclude each other"),
         (["friction", "--result", "none", "--cof", "0.6", "--area", "real"], "--area is 'real': allowed"),
         (["friction", "--experiment", "a.csv"], "--experiment needs --result"),
-        (["friction", "--result", "b", *["--experiment", "a.csv"] * 2], "--experiment is given 2 times"),
+        (["friction", "--result", "b", *["--experiment", "a.csv"] * 2], "b holds no result"),
         (["friction", "--experiment", "a.csv", "--result", "b", "--cof", "1"], "--cof and --experiment"),
         (["friction", "--cof", "0.6", "--columns", "a, b"], "--columns needs --experiment"),
         (["energy", *TEST], "--cof is missing"),

@@ -126,10 +126,10 @@ def test_print_shows_the_summary_and_a_result_stands_for_its_folder(folder: Path
         assert Study.load(result) == result.study
         assert Path(result) == folder
         energy = warpwear.calibrate_energy(result=result)
-        assert energy.numbers == warpwear.calibrate_energy(result=folder).to_dict()
+        assert energy.numbers == warpwear.calibrate_energy(result=folder).numbers
         assert len(warpwear.calibrate_energy(result=result, speeds="20 mm/min").speeds) == 1
         strength = warpwear.calibrate_friction(result=result, cof=0.6)
-        assert strength.numbers == warpwear.calibrate_friction(result=folder, cof=0.6).to_dict()
+        assert strength.numbers == warpwear.calibrate_friction(result=folder, cof=0.6).numbers
     assert str(result) == f"<Result, closed: {folder / 'result.h5'}>"
 
 
