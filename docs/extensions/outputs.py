@@ -18,7 +18,7 @@ def without(text: str) -> str:
 
 
 def cells(text: str) -> list[tuple[int, str, str]]:
-    """Return of each cell of a page without copies: where it ends, its text, a digest of it and those above."""
+    """Return of each cell of a page without copies its end, its text, and a digest of it and those above."""
     digest, found = hashlib.sha256(), []
     for match in CELL.finditer(text):
         digest.update(match[1].encode())
