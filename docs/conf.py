@@ -31,6 +31,7 @@ extensions = [
     "arguments",
     "gallery",
     "streams",
+    "outputs",
 ]
 default_role = "code"
 source_suffix = {".md": "myst-nb"}

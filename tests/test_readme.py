@@ -25,7 +25,7 @@ def headings(page: Path) -> set[str]:
 
 
 def test_the_readme_is_short() -> None:
-    assert len(TEXT.splitlines()) <= 120
+    assert len(TEXT.splitlines()) <= 100
 
 
 def test_the_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from warpwear.cli.main import commands
 from warpwear.cli.new import KINDS
-from warpwear.drafts.draft import COLUMN
+from warpwear.drafts.draft import COLUMN, RIGS
 from warpwear.errors import InputError
 from warpwear.study.study import Study
 
@@ -48,8 +48,14 @@ def drafted(*arguments: str, changes: dict[str, Any] | None = None) -> Study:
 
 
 def test_every_draft_is_on_offer() -> None:
-    drafts = resources.files("warpwear.drafts").iterdir()
-    assert sorted(KINDS) == sorted(file.name[:-5] for file in drafts if file.name.endswith(".toml"))
+    drafts = {file.name[:-5] for file in resources.files("warpwear.drafts").iterdir() if ".toml" in file.name}
+    assert set(KINDS) == set(RIGS) == drafts | {"reciprocating"}
+
+
+def test_the_first_run_is_the_draft_of_a_ball_to_and_fro() -> None:
+    drafted_study, first = drafted("--like", "reciprocating"), Study.load("first")
+    same = {"study.name": "first", "study.description": first.study.description}
+    assert drafted_study.replace(same).model_dump() == first.model_dump()
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -7,17 +7,23 @@ import zipfile
 from importlib.metadata import PackageNotFoundError, metadata
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 
 
-def test_the_picture_of_the_house_is_that_of_the_code() -> None:
-    spec = importlib.util.spec_from_file_location("make_house", DOCS / "make_house.py")
+def loaded(script: Path) -> Any:
+    spec = importlib.util.spec_from_file_location(script.stem, script)
     assert spec is not None
     assert spec.loader is not None
-    house = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(house)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_picture_of_the_house_is_that_of_the_code() -> None:
+    house = loaded(DOCS / "make_house.py")
     assert house.PICTURE.read_text(encoding="utf-8") == house.picture(), "run: python docs/make_house.py"
     level = {wing: number for number, storey in enumerate(house.storeys()) for wing in storey}
     arrows = house.shortest(house.imports())
@@ -126,3 +132,16 @@ def test_each_argument_that_a_docstring_explains_has_a_line() -> None:
     array = "~numpy.ndarray[tuple[~typing.Any, ...], ~numpy.dtype[~numpy.float64]]"
     found = arguments._signature(None, "function", "f", None, None, given, f"{array} | None")
     assert found == ("(heights: ArrayLike)", "ndarray | None")
+
+
+def test_what_cells_printed_is_that_of_these_cells() -> None:
+    """A copy of an output carries a digest of its cell and those above, so that none outlives a change."""
+    outputs = loaded(DOCS / "extensions" / "outputs.py")
+    copies = 0
+    for page in sorted(DOCS.rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        digests = [digest for *_, digest in outputs.cells(outputs.without(text))]
+        stored = outputs.COPY.findall(text)
+        assert [digest for digest in digests if digest in stored] == stored, f"{page}: docs/make_outputs.py"
+        copies += len(stored)
+    assert copies > 20

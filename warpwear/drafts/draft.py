@@ -25,6 +25,11 @@ from warpwear.surfaces.measured import Measured
 MARGIN = 1.3
 #: Length of a track over the domain's, where the draft's own is shorter than the domain.
 TRACK = 2
+#: The rigs: where the text of each lies. The first is a preset too, so that a first run needs no file.
+RIGS = {
+    "reciprocating": "presets/first.toml",
+    **{kind: f"drafts/{kind}.toml" for kind in ("rotating", "fretting", "pin", "block-on-ring")},
+}
 #: Column of a draft at which comments begin, where a value is short enough.
 COLUMN = 32
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
@@ -71,9 +76,8 @@ def new_study(
     >>> study.study.name, study.contact.load
     ('my-test', 5.0)
     """
-    rigs = sorted(f.name[:-5] for f in resources.files(__package__).iterdir() if f.name.endswith(".toml"))
-    if like not in rigs:
-        raise InputError(f"--like is {like!r}: allowed is {', '.join(rigs)}")
+    if like not in RIGS:
+        raise InputError(f"--like is {like!r}: allowed is {', '.join(RIGS)}")
     file = Path(f"{like}.toml" if path is None else path)
     if file.suffix != ".toml":
         raise InputError(f"{file}: a study is a file named .toml, such as {file.name or 'my-test'}.toml.")
@@ -102,8 +106,8 @@ def draft(
     values, which replace those of the draft. Cell and extent follow from the surface's pixel and the
     contact's width where they are not among the changes. Raises InputError for what is no study.
     """
-    text = (resources.files(__package__) / f"{kind}.toml").read_text(encoding="utf-8")
-    document: Any = tomlkit.parse(text)
+    document: Any = tomlkit.parse((resources.files("warpwear") / RIGS[kind]).read_text(encoding="utf-8"))
+    document["study"].pop("description", None)  # of the preset
     wanted = {"study.name": name, **(changes or {})}
     if surface is not None:
         document["disc"].pop("synthetic", None)
