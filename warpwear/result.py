@@ -166,7 +166,7 @@ class Result(ResultFile):
             For a run in memory, and where a file of others has the page's name.
         """
         folder = Path(self)
-        shown_here = content.content_of(self, summarise(self), self.plot)
+        shown_here = content.content_of(self, self.plot)
         wanted = set(content.statics(shown_here)) & set(self.plot.names())
         pictures = {name: self.plot.png(name, dpi=PAGE_DPI) for name in sorted(wanted)}
         path: Path = content.write_page(folder, content.made_here(shown_here, pictures))
@@ -207,5 +207,5 @@ def _to_html(result: Result) -> str:
         name for name in FIELDS if plot.reason(name) is None
     ]
     pictures = [(name, base64.b64encode(plot.png(name, dpi=DPI)).decode("ascii")) for name in names]
-    top = content.top_of(result.study, result.summary)
+    top = content.top_of(result)
     return html.render("notebook.html", {}, **top, pictures=pictures)

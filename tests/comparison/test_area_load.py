@@ -12,6 +12,7 @@ from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Group, RunData
 from warpwear.figures.describe import Chart, Line
+from warpwear.history.end_values import Summary
 
 FLAT = {
     "counter.radius": "inf mm",
@@ -30,7 +31,7 @@ def compared(*changes: dict[str, Any]) -> Comparison:
         study = Study.load("v3-fine").replace(change)
         history = {"area_contact": np.array([1e-3 * study.contact.load, 1.0])}
         course = np.zeros(1), np.zeros(1)
-        runs.append(RunData("run", Path("run"), study, history, {}, course, np.zeros(1), {}))
+        runs.append(RunData("run", Path("run"), study, history, Summary.of({}), course, np.zeros(1), {}))
     return Comparison(tuple(Group(run.name, (run,)) for run in runs), (), ())
 
 

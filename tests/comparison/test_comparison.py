@@ -34,7 +34,7 @@ def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -
     text = to_text(told)
     assert re.search(r"^coefficient of friction at the end +0\.55 +0\.55 +0\.55$", text, re.MULTILINE)
     assert re.search(r"^CoF that is an input +end +end +end$", text, re.MULTILINE)
-    strengths = [run.summary["shear_strength_MPa"] for run in told.runs]
+    strengths = [run.summary.shear_strength for run in told.runs]
     assert len(set(strengths)) == 3
     for run, found in zip(told.runs, strengths, strict=True):
         assert found == pytest.approx(0.55 * run.study.contact.load / run.history["area_contact"][-1])

@@ -78,7 +78,7 @@ def test_volumes_of_a_line_say_whose_they_are() -> None:
     text, summary = summary_text(summarise(result)), result.summary
     for body, volume in summary["volume_mm3"].items():
         assert summary["volume_mm3_per_mm"][body] == pytest.approx(volume / 0.016, rel=1e-12)
-    table = {name: (value, unit) for name, value, unit in words_of(study, summarise(result))["table"]}
+    table = {name: (value, unit) for name, value, unit in words_of(result)["table"]}
     assert table["Load"] == (f"{PER_LENGTH:g}", "N/mm")
     assert table["Worn volume, counter-body and disc"][1].endswith("mm³ per mm of line")
     assert volumes_of(FigureData(result, [])).panels[0].note == "of 0.016 mm of the line"

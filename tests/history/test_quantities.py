@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 import warpwear
 from warpwear import Study
-from warpwear.history.end_values import END_VALUES, value_in
+from warpwear.history.end_values import ENDS, Summary
 from warpwear.history.quantities import (
     AREAS,
     BY_NAME,
@@ -122,11 +122,10 @@ def test_end_values_stand_in_the_summary() -> None:
     """Of a run of patches, which has all of them."""
     study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "1 mm"})
     summary = warpwear.run(study.replace({"friction.calibrate": "end"})).summary
-    missing = {q.name for q in END_VALUES if value_in(summary, q) is None}
-    assert not missing
-    ends = {quantity.name: quantity for quantity in END_VALUES}
-    assert value_in(summary, ends["volume_disc"]) == summary["volume_mm3"]["disc"]
-    assert value_in({}, ends["volume_disc"]) is None
+    ends = Summary.of(summary)
+    assert not [name for name in ENDS if getattr(ends, name) is None]
+    assert ends.volume_disc == summary["volume_mm3"]["disc"]
+    assert Summary.of({}).volume_disc is None
 
 
 def test_a_history_knows_the_units_of_its_layers() -> None:

@@ -1,6 +1,8 @@
 """The verdict on a run: its errors hold, its parts add up, and what takes all trust is known as such."""
 
+import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 
 import warpwear
 from warpwear import Study
+from warpwear.history.end_values import Summary, Verdict
 from warpwear.history.verdict import rank_of, verdict_of
 from warpwear.runs import doubts
 from warpwear.runs.invariants import Invariants
@@ -34,6 +37,10 @@ TRACK = {
 
 def rough(**friction: Any) -> Study:
     return Study.load("v3-fine").replace({f"friction.{key}": value for key, value in friction.items()})
+
+
+def judged(s: dict[str, Any], history: dict[str, Any] | None = None, **friction: Any) -> Verdict:
+    return verdict_of(rough(**friction), Summary.of(PLAIN | s), history or {})
 
 
 @pytest.mark.parametrize("cell", [30.0, 20.0, 10.0])
@@ -68,20 +75,19 @@ def test_the_error_of_a_rough_scar_holds_and_that_of_its_area_is_not_known() -> 
 
 def test_known_errors_add_up_as_squares() -> None:
     history = {"area_static": np.array([0.9, math.nan]), "area_contact": np.array([1.0, 2.0])}
-    s = PLAIN | {"track": TRACK, "load_on_filled_percent": {"largest": 4.0}}
-    verdict = verdict_of(rough(), s, history)
+    verdict = judged({"track": TRACK, "load_on_filled_percent": {"largest": 4.0}}, history)
     parts = {"length of steps": 0.03, "direction": 0.2, "wear within a step": 0.1, "points filled in": 0.04}
-    assert {what: verdict["area_parts"][what] for what in parts} == pytest.approx(parts)
-    assert verdict["area_relative"] == pytest.approx(math.hypot(*parts.values()))
-    assert verdict["text"].startswith(
+    assert verdict.area_parts == pytest.approx({"cell": None, "balance of the load": 0.0} | parts, abs=1e-12)
+    assert verdict.area_relative == pytest.approx(math.hypot(*parts.values()))
+    assert verdict.text.startswith(
         "area ± 23 % (length of steps 3 %, direction 20 %, wear within a step 10 %, points filled in 4 %), "
         "the cell's part not known: halve the cell and compare; mean depth of the scar ± 4.5 % (a cell"
     )
-    jumped = verdict_of(rough(), PLAIN | {"cycle_jump": {"depth_error": {"counter": 0.06, "disc": 0.01}}}, {})
-    assert jumped["depth_relative"] == pytest.approx(math.hypot(0.045, 0.06))
-    assert "scar ± 7.5 % (a cell at its rim, cycles jumped over 6 %); friction" in jumped["text"]
-    unbalanced = verdict_of(rough(), PLAIN | {"load_residual_N": {"largest": 0.4}}, {})
-    assert unbalanced["text"].startswith("area ± 5 % (balance of the load), the cell's part not known")
+    jumped = judged({"cycle_jump": {"depth_error": {"counter": 0.06, "disc": 0.01}}})
+    assert jumped.depth_relative == pytest.approx(math.hypot(0.045, 0.06))
+    assert "scar ± 7.5 % (a cell at its rim, cycles jumped over 6 %); friction" in jumped.text
+    unbalanced = judged({"load_residual_N": {"largest": 0.4}})
+    assert unbalanced.text.startswith("area ± 5 % (balance of the load), the cell's part not known")
 
 
 @pytest.mark.parametrize(
@@ -96,19 +102,18 @@ def test_known_errors_add_up_as_squares() -> None:
 )
 def test_whence_friction_is(friction: dict[str, Any], assumed: bool, words: str) -> None:
     keys = ("friction.coefficient", "friction.shear_strength") if assumed else ()
-    verdict = verdict_of(rough(**friction), PLAIN | {"assumptions": dict.fromkeys(keys, "")}, {})
-    assert verdict["text"].endswith(words)
-    assert f"; friction {verdict['friction']}" in verdict["text"]
+    verdict = judged({"assumptions": dict.fromkeys(keys, "")}, **friction)
+    assert verdict.text.endswith(words)
+    assert f"; friction {verdict.friction}" in verdict.text
 
 
 def test_what_takes_all_trust_is_said_first() -> None:
-    s = PLAIN | {"warnings": ["areas scatter from step to step and mean nothing.", "a note"]}
-    verdict = verdict_of(rough(), s, {})
-    assert verdict["text"].startswith("not to be trusted: 1 warning; area")
-    assert not verdict["trusted"]
-    unfinished = verdict_of(rough(), PLAIN | {"finished": False, "cof": {"end": None}}, {})
-    assert unfinished["text"].startswith("interrupted: as far as it came; area")
-    assert unfinished["text"].endswith("friction unknown before the end")
+    verdict = judged({"warnings": ["areas scatter from step to step and mean nothing.", "a note"]})
+    assert verdict.text.startswith("not to be trusted: 1 warning; area")
+    assert not verdict.trusted
+    unfinished = judged({"finished": False, "cof": {"end": None}})
+    assert unfinished.text.startswith("interrupted: as far as it came; area")
+    assert unfinished.text.endswith("friction unknown before the end")
 
 
 def test_what_is_heavy_is_known_by_its_words() -> None:
@@ -135,7 +140,10 @@ def test_what_is_heavy_is_known_by_its_words() -> None:
     assert [rank_of(sentence, "note") for sentence in unused] == [3, 3]
 
 
-def test_summary_and_notebook_begin_with_it() -> None:
-    result = warpwear.run(Study.load("v1").replace(SMOOTH | {"grid.cell": "30 um"}))
+def test_summary_and_notebook_begin_with_it(tmp_path: Path) -> None:
+    study = Study.load("v1").replace(SMOOTH | {"grid.cell": "30 um"})
+    result = warpwear.run(study, out=tmp_path / "run", plots=False)
+    written = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert Summary.of(written) == Summary.of(result.summary)
     assert next(iter(result.summary)) == "verdict"
     assert f"<b>Verdict.</b> {result.summary['verdict']['text']}." in result._repr_html_()

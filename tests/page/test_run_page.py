@@ -21,13 +21,13 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import commands
 from warpwear.figures import process
+from warpwear.history.end_values import Summary
 from warpwear.page.content import content_of, words_of, write_page
 from warpwear.page.effects import EFFECTS, OF_NUMBERS, Weight, effect_of, numbers_of
 from warpwear.page.html import run_page
 from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
-from warpwear.page.paper import to_latex
+from warpwear.page.paper import latex_of, to_latex
 from warpwear.page.plots import coded, thinned
-from warpwear.results.summary import summarise
 
 MOST = 6e6  # bytes of a page
 #: Keys of which more is known than that a sweep tells.
@@ -139,7 +139,7 @@ def test_every_assumption_says_what_it_would_change() -> None:
         assert {*assumed} <= WITH_EFFECTS, preset
     study = Study.load("v3-fine").replace(PLAIN | {"disc.synthetic.fine_ra": "0.3 um"})
     with warpwear.run(study) as result:
-        rows = words_of(study, summarise(result))["assumptions"]
+        rows = words_of(result)["assumptions"]
         assert {row["key"] for row in rows} == {*result.summary["assumptions"]}
     assert [row["weight"] for row in rows] == sorted(row["weight"] for row in rows)
     assert rows[0]["key"] == "friction.shear_strength"
@@ -148,7 +148,7 @@ def test_every_assumption_says_what_it_would_change() -> None:
     hardness = next(row for row in rows if row["key"] == "contact.hardness")
     assert hardness["weight"] is Weight.LITTLE, "hardly a cell bears it after 10 mm"
     with warpwear.run(study.replace({"sliding.distance": "0 mm", "output.snapshots": []})) as result:
-        rows = words_of(result.study, summarise(result))["assumptions"]
+        rows = words_of(result)["assumptions"]
     hardness = next(row for row in rows if row["key"] == "contact.hardness")
     assert hardness["weight"] is Weight.DECIDES, "all of a static contact bears it"
     assert "100 % of the contact" in hardness["effect"]
@@ -183,8 +183,8 @@ def test_what_is_an_input_is_marked() -> None:
         (given, "Not predicted", "not predicted"),
     ):
         with warpwear.run(study) as result:
-            words = words_of(result.study, summarise(result))
-        assert words["answers"][-1]["input_note"].startswith(mark)
+            words = words_of(result)
+        assert words["answers"][-1].input_note.startswith(mark)
         assert sum(limit in sentence for sentence in words["limits"]) == 1
 
 
@@ -195,7 +195,9 @@ def test_sentences_are_all_reached() -> None:
     assert of_limits | of_effects | {"softer body"} == {*CONDITIONS, *OF_NUMBERS}
     with warpwear.run(Study.load("v3-fine").replace(PLAIN)) as result:
         for key in WITH_EFFECTS:
-            weight, sentence = effect_of(key, result.study, numbers_of(result.study, result.summary))
+            weight, sentence = effect_of(
+                key, result.study, numbers_of(result.study, Summary.of(result.summary))
+            )
             assert isinstance(weight, Weight)
             assert sentence.endswith(".")
             assert "{" not in sentence
@@ -283,7 +285,7 @@ def test_codes_keep_values() -> None:
 
 def test_a_name_of_a_run_in_memory(tmp_path: Path) -> None:
     with warpwear.run(study_of("static")) as result:
-        page = run_page(content_of(result, summarise(result), result.plot), {})
+        page = run_page(content_of(result, result.plot), {})
     assert page.count(b"<img") == 1, "the bodies, drawn of the page's own data"
 
 
@@ -386,15 +388,15 @@ def test_a_page_tells_conservation_of_layers_and_what_they_cannot_show() -> None
     study = study.replace({"disc.layers.1.thickness": "6 um", "disc.layers.1.name": "thick_dlc"})
     with pytest.warns(match="Asperities yield|elastic constants"):
         result = warpwear.run(study)
-    page = words_of(study, summarise(result))
+    page = words_of(result)
     what = {check["what"]: (float(check["value"]), check["good"]) for check in page["checks"][1:]}
     books = "Σ V/K of the disc's materials, from pressures and depths alone, over F L, less 1"
     worn = "worn volume of the disc over what its materials lose by the pressures, less 1"
     assert [*what] == ["worn volume of the counter-body over Archard's K F L, less 1", worn, books]
     assert all(off < 1e-12 and good for off, good in what.values())
     assert any(text.startswith("Layers and cases wear and shear") for text in page["limits"])
-    assert any("elastic constants" in text for text in page["warnings"] + page["notes"])
+    assert any("elastic constants" in text for text in page["s"].warnings)
     assert "below layers by worn depth: the disc's thick_dlc (6 µm, 4e-06 mm³/(N·m))" in page["methods"]
     assert r"Thickness of thick\_dlc, disc & 6 & $\mu$m \\" in page["latex"]
     assert r"\sum_m V_m / K_m = F L" in page["latex"]
-    assert r"\sum_m" not in words_of(Study.load("v1"), summarise(result))["latex"]
+    assert r"\sum_m" not in latex_of(Study.load("v1"), page["methods"], page["table"])

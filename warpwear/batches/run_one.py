@@ -17,6 +17,7 @@ from warpwear.history.quantities import columns_of
 from warpwear.result import Result
 from warpwear.results.ensemble import digests_in, name_of
 from warpwear.results.file import FILE_NAME, check_seal, is_one
+from warpwear.results.summary import last_values
 from warpwear.results.track import course
 from warpwear.runs import folder as run_folder
 from warpwear.runs.checkpoint import holds_checkpoint
@@ -120,20 +121,11 @@ def _made(task: Task, study: Study) -> Row:
 
 def row_of(result: Result) -> Row:
     """Return what a run came to; its seconds are those of its steps."""
-    summary, history = result.summary, result.history
-    columns = [column for column in columns_of(result.study) if column.name != "distance"]
-    ends = {"distance [mm]": summary["distance_mm"]}
-    ends |= {f"{column.name} [{column.units}]": float(history[column.name][-1]) for column in columns}
-    of_summary = {
-        "cof [1]": summary["cof"]["end"],
-        "approach [mm]": 1.0e-3 * summary["approach_um"],
-        **{f"area_{name} [mm^2]": value for name, value in summary["area_mm2"].items()},
-        **{f"pressure_{name} [MPa]": value for name, value in summary["pressure_MPa"].items()},
-        "shear_strength [MPa]": summary["shear_strength_MPa"],
-    }
-    ends |= {name: np.nan if value is None else float(value) for name, value in of_summary.items()}
-    courses = {"distance": course(result, "distance")[0]}
-    courses |= {column.name: course(result, column.name)[1] for column in columns}
+    end, columns = last_values(result), columns_of(result.study)
+    ends = {f"{column.name} [{column.units}]": end[column.name] for column in columns}
+    ends["shear_strength [MPa]"] = end["shear_strength"]
+    courses = {column.name: course(result, column.name)[1] for column in columns}
+    courses["distance"] = course(result, "distance")[0]
     keep = np.unique(np.linspace(0, courses["distance"].size - 1, POINTS).astype(np.intp))
     thinned = {name: np.asarray(values[keep], dtype=np.float64) for name, values in courses.items()}
     status = "done" if result.finished else "unfinished"

@@ -14,6 +14,7 @@ from warpwear.comparison.notes import notes_of
 from warpwear.comparison.scar import ScarComparison, ScarFiles, compare_scar
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history.end_values import Summary
 from warpwear.laws.archard import BODIES
 from warpwear.measured.course import read_experiment
 from warpwear.measured.experiment import Experiment
@@ -166,11 +167,11 @@ def _read_run(folder: Path) -> RunData:
     with Result.open(folder) as result:
         whole = whole_steps(result)
         history = {name: values[whole] for name, values in result.history.items()}
-        study, summary = result.study, result.summary
+        study, summary = result.study, Summary.of(result.summary)
         wear: dict[str, FloatArray] = {}
         if result.snapshot_distances.size and not study.samples_area:
             last = result.snapshot(-1)
-            along = 0.5 * STRIP * summary["scar_mm"]["along"] / study.grid.cell
+            along = 0.5 * STRIP * summary.patch_along / study.grid.cell
             for body in BODIES:
                 if body == "disc" and study.is_swept:  # its middle was in contact at times only
                     wear[body] = groove(result, len(result.snapshots) - 1).worn

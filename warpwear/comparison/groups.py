@@ -14,6 +14,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history.end_values import Summary
 from warpwear.results.ensemble import at, is_label, label_of, short_names, that_matter
 from warpwear.results.file import FILE_NAME
 from warpwear.study.keys import dotted
@@ -39,7 +40,7 @@ class RunData:
     folder: Path
     study: Study
     history: dict[str, FloatArray]  # without a swept run's steps that are cut short, see `whole_steps`
-    summary: dict[str, Any]
+    summary: Summary
     course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of whole passes
     across: FloatArray  # places across sliding [mm], shape (ny,)
     wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot

@@ -56,8 +56,8 @@ def notes_of(
     for experiment in experiments:
         yield from (f"{experiment.name}: {warning}" for warning in experiment.warnings)
     yield from _differences(groups)
-    yield from _of_runs([(run, INTERRUPTED) for run in runs if not run.summary["finished"]], runs)
-    yield from _of_runs([(run, text) for run in runs for text in run.summary["warnings"]], runs)
+    yield from _of_runs([(run, INTERRUPTED) for run in runs if not run.summary.finished], runs)
+    yield from _of_runs([(run, text) for run in runs for text in run.summary.warnings], runs)
     for way, key in (("end", "calibrate = 'end'"), ("coulomb", "law = 'coulomb'")):
         if inputs := [r.name for r in runs if r.study.friction.fitted == way and r.cof is not None]:
             yield (
@@ -79,7 +79,7 @@ def _of_runs(sentences: Sequence[tuple[RunData, str]], runs: Sequence[RunData]) 
 
 def _lengths(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:
     """Say whether it is far shorter or longer than every run, as in a wrong unit."""
-    whole, totals = float(experiment.distance[-1]), [float(run.summary["distance_mm"]) for run in runs]
+    whole, totals = float(experiment.distance[-1]), [run.summary.distance for run in runs]
     if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
         return []
     lengths = ", ".join(dict.fromkeys(f"{total:.4g}" for total in totals))

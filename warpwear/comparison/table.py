@@ -8,7 +8,7 @@ from pathlib import Path
 from warpwear.comparison.gather import Comparison, shape_of
 from warpwear.comparison.groups import RunData
 from warpwear.comparison.scar import lines_of, record_of
-from warpwear.history.end_values import END_VALUES, ENDS, Value, value_in
+from warpwear.history.end_values import ENDS, Value
 from warpwear.measured.experiment import Experiment
 from warpwear.results.report import aligned, quoted, shown, to_json, without_nan
 from warpwear.version import __version__
@@ -29,7 +29,7 @@ BANDS = "Of several runs: mean ± standard deviation; figures show the mean and 
 #: Smaller numbers are shown as 0 in the terminal.
 ROUND_OFF = 1.0e-12
 #: Columns of values -> their units, without those of experiments.
-UNITS = {quantity.name: quantity.units for quantity in END_VALUES}
+UNITS = {name: quantity.units for name, quantity in ENDS.items()}
 
 
 def columns(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[str, Value]]:
@@ -52,7 +52,7 @@ def columns(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[
 
 def _of_run(run: RunData, comparison: Comparison) -> dict[str, Value]:
     """Find the end values of a run, and how it differs from each experiment."""
-    values = {name: value_in(run.summary, quantity) for name, quantity in ENDS.items()}
+    values = {name: getattr(run.summary, name) for name in ENDS}
     return values | {f"rms_cof {e.name}": comparison.rms(run, e) for e in comparison.experiments}
 
 
@@ -140,7 +140,7 @@ def write_json(comparison: Comparison, path: Path) -> None:
         "folders": {run.name: str(run.folder) for run in comparison.runs},
         "units": UNITS,
         "shapes": SHAPES,
-        "end_values": {run.name: run.summary["end_values"] for run in comparison.runs},
+        "end_values": {run.name: run.summary.end_values for run in comparison.runs},
         "notes": comparison.notes,
         "scar": None if comparison.scar is None else record_of(comparison.scar),
         "version": __version__,

@@ -62,7 +62,6 @@ class Quantity:
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
     logarithmic. colour: a name of `warpwear.figures.describe`; dash: how its line is drawn. map: whether a
     figure shows it over the disc, or over the contact.
-    entry: keys of its end value in a run's summary, with dots between them.
     """
 
     name: str
@@ -81,7 +80,6 @@ class Quantity:
     log: bool = False
     colour: str = "NEUTRAL"
     dash: str = "solid"
-    entry: str = ""
     map: bool = False
 
     def applies_to(self, study: Study) -> bool:

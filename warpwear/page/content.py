@@ -3,21 +3,21 @@
 Another process may make the page of its content: it needs neither the result nor the study.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import InputError, explained
 from warpwear.figures.of_run.table import Plotter
+from warpwear.history.end_values import Summary
 from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
 from warpwear.page.sections import sections_of
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
-from warpwear.results.report import Row, record
-from warpwear.results.summary import summary_text
-from warpwear.study.study import Study
+from warpwear.results.report import record
+from warpwear.results.summary import summarise, summary_text
 
 #: What makes the page of its content and of pictures, see `warpwear.page.html`.
 MAKER = "warpwear.page.html:run_page"
@@ -25,46 +25,39 @@ MAKER = "warpwear.page.html:run_page"
 MARK = b'<meta name="generator" content="warpwear'
 
 
-def content_of(result: ResultFile, rows: Sequence[Row], plot: Plotter) -> dict[str, Any]:
-    """Collect what the page of a run shows.
-
-    rows: as of `summarise`. plot: of the same result, whose reduced data are used again.
-    """
+def content_of(result: ResultFile, plot: Plotter) -> dict[str, Any]:
+    """Collect what the page of a run shows. plot: of the same result, whose reduced data are used again."""
     with plot.data as data:
-        return words_of(result.study, rows) | {"sections": sections_of(plot, data)}
+        return words_of(result) | {"sections": sections_of(plot, data)}
 
 
-def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
+def top_of(result: ResultFile) -> dict[str, Any]:
     """Collect the texts of the page's top by name: the question, its answers, and why to trust them."""
-    assumptions, checks = words.assumptions_of(study, summary), words.checks_of(study, summary)
+    study, s = result.study, Summary.of(record(summarise(result)))
+    assumptions, checks = words.assumptions_of(study, s), words.checks_of(study, s)
     return {
         "name": study.study.name,
         "description": study.study.description,
-        "asked": words.asked_of(study, summary["distance_mm"]),
-        "verdict": summary["verdict"]["text"],
-        "finished": summary["finished"],
-        "answers": [vars(answer) for answer in words.answers_of(study, summary)],
-        "warnings": [text for text in summary["warnings"] if text not in summary["notes"]],
-        "notes": [text for text in summary["warnings"] if text in summary["notes"]],
-        "trust": words.trust_of(study, summary, assumptions, checks),
+        "asked": words.asked_of(study, s.distance),
+        "s": s,
+        "answers": words.answers_of(study, s),
+        "trust": words.trust_of(study, s, assumptions, checks),
         "assumptions": assumptions,
         "checks": checks,
     }
 
 
-def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
-    """Collect all texts of the page by name. rows: as of `summarise`."""
-    summary = record(rows)
-    top, methods = top_of(study, summary), paper.methods_of(study, summary)
-    table = paper.table_of(study, summary, top["answers"])
+def words_of(result: ResultFile) -> dict[str, Any]:
+    """Collect all texts of the page by name."""
+    study, top = result.study, top_of(result)
+    methods, table = paper.methods_of(study, top["s"]), paper.table_of(study, top["s"], top["answers"])
     return top | {
         "limits": limits_of(study),
-        "summary": summary_text(rows),
+        "summary": summary_text(summarise(result)),
         "methods": methods,
         "table": table,
         "latex": paper.latex_of(study, methods, table),
-        "version": summary["version"],
-        "made_with": summary.get("made_with", {}),
+        "version": top["s"].version,
     }
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, NamedTuple
 
+from warpwear.history.end_values import Summary
 from warpwear.laws.archard import BODIES
 from warpwear.page.limits import CONDITIONS
 from warpwear.results.formats.forms import prose
@@ -68,17 +69,15 @@ def _holds(condition: str, study: Study, numbers: dict[str, Any]) -> bool:
     return holds == (name == condition)
 
 
-def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
-    """Collect the numbers of a run that sentences and their cases go by. s: its summary."""
-    area, strength = s["area_mm2"], s["shear_strength_MPa"]
-    reach = 0.5 * max(s["scar_mm"].values()) * study.counter.form.curvature
-    names = ("contact", "touched", "nominal", "cumulative") if strength is not None else ()
-    steps = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
+def numbers_of(study: Study, s: Summary) -> dict[str, Any]:
+    """Collect the numbers of a run that sentences and their cases go by."""
+    tau, reach = s.shear_strength, 0.5 * max(s.patch_along, s.patch_across) * study.counter.form.curvature
+    names = ("contact", "touched", "nominal", "cumulative") if tau is not None else ()
     return {
-        "capped": 100.0 * float(area["plastic"] / area["contact"]) if area["contact"] else 0.0,
+        "capped": 100.0 * (s.area_plastic / s.area_contact) if s.area_contact else 0.0,
         "at_the_end": " at the end" if study.sliding.total else "",
         "coefficient": "the coefficient" + " less its ploughing part" * bool(study.friction.ploughing),
-        "coefficients": shown({name: strength * area[name] / s["load_N"] for name in names}, 3),
+        "coefficients": shown({name: getattr(s, f"area_{name}") * tau / s.load for name in names}, 3),
         "rim": 100.0 * (1.0 - math.sqrt(max(0.0, 1.0 - reach**2))),
-        "steps": 100.0 * steps,
+        "steps": 100.0 * (s.step_error or 0.0),
     }

@@ -5,9 +5,10 @@ from collections.abc import Iterable
 from typing import Any, TypeAlias
 
 from warpwear.history.distances import with_unit
+from warpwear.history.end_values import Summary
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import BODIES, CALLED, said
-from warpwear.page.words import disc_of, motion_of, source_of
+from warpwear.page.words import Answer, disc_of, motion_of, source_of
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.rules import um
@@ -23,14 +24,12 @@ RAISED, POWER = re.compile("[⁺⁻⁰¹²³⁴-⁹]+"), re.compile(r"(?<![\w.])
 LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 
 
-def methods_of(study: Study, s: dict[str, Any]) -> str:
+def methods_of(study: Study, s: Summary) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
-    said_of: Any = {"slider": f"A {study.counter.title}", "disc": disc_of(study), "source": source_of(s)}
-    said_of |= {"wear": said(study.wear_laws), "friction": study.friction.law_with().said}
-    layers = ["{1}'s {2} ({3}, {4})".format(*layer) for layer in layers_of(study)]
-    said_of["layers"] = "; the ".join(layers)
-    said_of["motion"] = motion_of(study, s["distance_mm"])
-    return " ".join(filled("methods.txt", escape=False, study=study, s=s, **said_of).split())
+    about: Any = {"disc": disc_of(study), "motion": motion_of(study, s.distance)}
+    about |= {"source": source_of(study, s), "wear": said(study.wear_laws)}
+    about["layers"] = "; the ".join("{1}'s {2} ({3}, {4})".format(*layer) for layer in layers_of(study))
+    return " ".join(filled("methods.txt", escape=False, study=study, s=s, **about).split())
 
 
 def layers_of(study: Study) -> list[tuple[str, ...]]:
@@ -42,29 +41,29 @@ def layers_of(study: Study) -> list[tuple[str, ...]]:
     ]
 
 
-def table_of(study: Study, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
+def table_of(study: Study, s: Summary, answers: Iterable[Answer]) -> list[Line]:
     """List quantity, value and unit of what went in and what came out."""
-    hardness, unit, counter = s["hardness_MPa"], printed("mm^3/N/m"), study.counter
+    unit, counter = printed("mm^3/N/m"), study.counter
+    coefficients = zip(BODIES, study.wear_coefficients, strict=True)
+    by_energy = study.wear.per_energy if study.wear.law == "energy" else {}
     length, newton = (study.strip, "N/mm") if study.strip else (1.0, "N")
-    distance, of_distance = with_unit(s["distance_mm"]).split()
+    begun = [block for block in study.blocks if not block.start or block.start < s.distance]
+    distance, of_distance = with_unit(s.distance).split()
     return [
-        ("Load", ", ".join(shown(block["load_N"] / length) for block in s.get("blocks", [s])), newton),
+        ("Load", ", ".join(shown(block.load / length) for block in begun), newton),
         *([] if counter.form.is_flat else [("Counter-body", counter.title, "")]),
         ("Sliding distance", distance, of_distance),
-        ("Cell", shown(s["cell_um"]), "µm"),
-        *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
-        *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
+        ("Cell", shown(s.cell), "µm"),
+        *([("Hardness (cap of the pressure)", shown(study.hardness), "MPa")] if study.caps_pressure else []),
+        *((f"Wear coefficient, {b}", shown(1e3 * k), unit) for b, k in coefficients),
         *(
             (f"{what} of {name}, {body}", number, its_unit)
             for body, _, name, *texts in layers_of(study)
             for what, text in zip(("Thickness", "Wear coefficient"), texts, strict=True)
             for number, _, its_unit in [text.partition(" ")]
         ),
-        *(
-            (f"Wear of friction energy, {b}", shown(a), "mm³/J")
-            for b, a in s.get("wear_coefficient_mm3_per_J", {}).items()
-        ),
-        *((answer["label"], answer["value"], answer["unit"]) for answer in answers),
+        *((f"Wear of friction energy, {b}", shown(a), "mm³/J") for b, a in by_energy.items()),
+        *((answer.label, answer.value, answer.unit) for answer in answers),
     ]
 
 
@@ -77,7 +76,4 @@ def to_latex(text: str) -> str:
 
 def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     """Write methods and table as LaTeX, with the laws of wear and friction between them."""
-    laws: Any = {"wear": study.wear_laws[0].formula, "friction": study.friction.law_with().formula}
-    laws |= {"name": study.study.name, "methods": methods, "table": table}
-    laws["layered"] = bool(study.counter.layers or study.disc.layers)
-    return filled("paper.tex", {"tex": to_latex}, escape=False, **laws)
+    return filled("paper.tex", {"tex": to_latex}, escape=False, study=study, methods=methods, table=table)

@@ -1,16 +1,17 @@
 """What a run's page says in words and numbers: what was asked, the answer, and what it rests on."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.figures.wording import listed
 from warpwear.history.distances import with_unit
-from warpwear.history.end_values import ENDS, value_in
-from warpwear.history.quantities import BY_NAME
-from warpwear.laws.archard import BODIES, CALLED
-from warpwear.page.effects import Weight, effect_of, numbers_of
+from warpwear.history.end_values import ENDS, Summary
+from warpwear.history.quantities import BY_NAME, Quantity
+from warpwear.laws.archard import CALLED
+from warpwear.page.effects import effect_of, numbers_of
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.keys import declarations, value_of
@@ -76,100 +77,82 @@ def asked_of(study: Study, distance: float) -> str:
     )
 
 
-def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
+def answers_of(study: Study, s: Summary) -> list[Answer]:
     """Give the five numbers that answer the question."""
-    pressure = s["pressure_MPa"]
-    of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
-    spread = f"standard deviation {pressure['std']:.3g} MPa"
-    spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
-    scar, rim = shown([*s["scar_mm"].values()]), f"± {2 * s['cell_um']:.3g} µm, a cell at each rim"
+    of_pass = f", mean of the {s.end_values}" if study.is_swept else ""
+    uniform = s.pressure_std <= 1e-6 * s.pressure_mean
+    spread = "uniform" if uniform else f"standard deviation {s.pressure_std:.3g} MPa"
+    rim = f"± {2 * s.cell:.3g} µm, a cell at each rim"
     strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
-    part = f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}{strip}"
+    part = f"{100.0 * (s.area_contact / s.area_nominal):.3g} % of the scar{of_pass}{strip}"
+    largest = f"{spread}, largest {shown(s.pressure_max)} MPa"
+    approach = shown(s.approach).replace("-", "−")
     return [
-        Answer("Scar, along × across sliding", scar, "mm", rim),
-        _answer("area_contact", s, error=s["verdict"]["area"], note=part),
-        _answer("pressure_mean", s, note=f"{spread}, largest {shown(pressure['max'])} MPa"),
-        _worn(study, s) if study.sliding.total else _approach(s),
-        _cof(s),
+        Answer("Scar, along × across sliding", shown([s.patch_along, s.patch_across]), "mm", rim),
+        _answer(ENDS["area_contact"], shown(s.area_contact), error=s.verdict.area, note=part),
+        _answer(ENDS["pressure_mean"], shown(s.pressure_mean), note=largest),
+        _worn(study, s) if study.sliding.total else _answer(BY_NAME["approach"], approach, note=APPROACH),
+        _cof(study, s),
     ]
 
 
-def _answer(name: str, s: dict[str, Any], **words: str) -> Answer:
-    """Answer with an end value of the registry."""
-    quantity = ENDS[name]
-    value: Any = value_in(s, quantity)
-    return Answer(quantity.label.capitalize(), shown(quantity.factor * value), quantity.unit, **words)
+def _answer(quantity: Quantity, value: str, **words: str) -> Answer:
+    """Answer with a quantity of the registry."""
+    return Answer(quantity.label.capitalize(), value, quantity.unit, **words)
 
 
-def _approach(s: dict[str, Any]) -> Answer:
-    quantity = BY_NAME["approach"]
-    return Answer(
-        quantity.label.capitalize(), shown(s["approach_um"]).replace("-", "−"), quantity.unit, note=APPROACH
-    )
-
-
-def _worn(study: Study, s: dict[str, Any]) -> Answer:
+def _worn(study: Study, s: Summary) -> Answer:
     """Answer how much is worn off both bodies, which the study says rather than the run."""
     less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
-    volumes = [ENDS[f"volume_{body}"] for body in BODIES]
-    per = "_per_mm" if study.strip else ""
+    quantity, volumes = ENDS["volume_disc"], (s.volume_counter, s.volume_disc)
     return Answer(
         f"Worn volume, {study.counter.name} and disc",
-        ", ".join(f"{volume.factor * s[f'volume_mm3{per}'][volume.short]:.4g}" for volume in volumes),
-        volumes[0].unit + (" per mm of line" if per else ""),
+        ", ".join(f"{quantity.factor * volume / (study.strip or 1.0):.4g}" for volume in volumes),
+        quantity.unit + " per mm of line" * bool(study.strip),
         "as good as the wear coefficients",
-        f"deepest {' and '.join(shown(s['depth_um'][body]) for body in BODIES)} µm",
+        f"deepest {shown(s.depth_counter)} and {shown(s.depth_disc)} µm",
         f"Not predicted: wear coefficient × load × distance{less}",
     )
 
 
-def _cof(s: dict[str, Any]) -> Answer:
+def _cof(study: Study, s: Summary) -> Answer:
     """Answer with the coefficient of friction at the end, and say how far it is an input."""
-    if s["cof"]["end"] is None:
-        note = "calibrated at the end, which the run did not reach"
-        return Answer(BY_NAME["cof"].label.capitalize(), "–", "", note=note)
-    label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"
-    if s["cof_input"] == "coulomb":
-        return Answer(label, value, "", input_note="An input, constant")
-    strength, note = s["shear_strength_MPa"], f"the area that shears: {s['cof_area']}"
+    if s.cof is None:
+        return _answer(BY_NAME["cof"], "–", note="calibrated at the end, which the run did not reach")
+    cof, friction, strength = partial(_answer, ENDS["cof"], f"{s.cof:.3g}"), study.friction, s.shear_strength
+    if friction.fitted == "coulomb":
+        return cof(input_note="An input, constant")
+    note = f"the area that shears: {friction.area}"
     tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
-    if s["cof_input"] == "end":
-        return Answer(label, value, "", "", note, f"An input: {tau} is fitted so that it is met")
+    if friction.fitted == "end":
+        return cof(note=note, input_note=f"An input: {tau} is fitted so that it is met")
     subject = f"{tau} is"
-    if film := s.get("film"):
-        under = film["shear_strength_MPa"]["film"]
-        subject = f"its shear strengths, {under:.3g} MPa of film and {strength:.3g} bare, are"
-    error = "as good as the shear strength"
-    return Answer(label, value, "", error, note, f"Not predicted: {subject} {source_of(s)}")
+    if film := friction.film:
+        subject = f"its shear strengths, {film.shear_strength:.3g} MPa of film and {strength:.3g} bare, are"
+    source = f"Not predicted: {subject} {source_of(study, s)}"
+    return cof(error="as good as the shear strength", note=note, input_note=source)
 
 
-def source_of(s: dict[str, Any]) -> str:
+def source_of(study: Study, s: Summary) -> str:
     """Say where the shear strength comes from."""
-    if s["cof_input"]:
-        when = "end" if s["cof_input"] == "end" else "start"
-        return f"fitted to a coefficient of {s['cof_reference']:g} at the {when}"
-    return "assumed" if "friction.shear_strength" in s["assumptions"] else "given by the study"
+    if study.friction.fitted:
+        when = "end" if study.friction.fitted == "end" else "start"
+        return f"fitted to a coefficient of {study.friction.coefficient:g} at the {when}"
+    return "assumed" if "friction.shear_strength" in s.assumptions else "given by the study"
 
 
-def trust_of(study: Study, s: dict[str, Any], assumptions: Lines, checks: Lines) -> list[str]:
+def trust_of(study: Study, s: Summary, assumptions: Lines, checks: Lines) -> list[str]:
     """Say what speaks for the numbers and what against them, in a few sentences."""
-    numbers = {
-        "good": all(row["good"] for row in checks),
-        "cells": s["area_mm2"]["contact"] / study.cells.cell_area,
-        "noted": sum(warning in s["notes"] for warning in s["warnings"]),
-        "decisive": [row["key"] for row in assumptions if row["weight"] is Weight.DECIDES],
-        "slides": study.sliding.total > 0.0,
-        "strip": study.strip,
-    }
-    return filled("trust.txt", escape=False, s=s, assumptions=assumptions, **numbers).splitlines()
+    rows: Any = {"assumptions": assumptions, "checks": checks}
+    return filled("trust.txt", escape=False, study=study, s=s, **rows).splitlines()
 
 
-def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:
+def assumptions_of(study: Study, s: Summary) -> Lines:
     """List each assumed key: value, meaning, source, what another value would change, heaviest first."""
     declared, values = declarations(type(study)), study.model_dump(exclude={"assumed"})
     resolved, numbers = study.resolved, numbers_of(study, s)
     rows = []
-    for name, why in s["assumptions"].items():
+    for name, why in s.assumptions.items():
         value = resolved[name] if name in resolved else value_of(values, name)
         meaning = getattr(declared[name].field, "description", None) if name in declared else None
         weight, effect = effect_of(name, study, numbers)
@@ -178,26 +161,21 @@ def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:
     return sorted(rows, key=lambda row: row["weight"])
 
 
-def checks_of(study: Study, s: dict[str, Any]) -> Lines:
+def checks_of(study: Study, s: Summary) -> Lines:
     """List residuals and conservation, and whether each is within its limit."""
     allowed = study.load_tolerance if study.uses_bearing_area else 0.0
     balance = max(allowed, TOLERANCE * max(b.load for b in study.blocks))
-    residual = s["load_residual_N"]["largest"]
-    rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
+    rows = [("load carried − load asked for, largest of a step", s.load_residual, balance, " N")]
     expected = "Σ K(p) p ΔL of its cells" if study.wear_laws[0].over_pressure[0] else "Archard's K F L"
-    for body, value in s["conservation_relative"].items():
+    for body, value in s.conservation.items():
         deep = getattr(study, body).has_depths  # then books of each cell stand for K F L
         what = "what its materials lose by the pressures" if deep else expected
         rows.append((f"worn volume of the {CALLED[body]} over {what}, less 1", abs(value), CONSERVED, ""))
-        off = s.get(f"layers_{body}", {}).get("volumes_over_K_less_FL")
-        if off is not None:
-            what = (
-                f"Σ V/K of the {CALLED[body]}'s materials, from pressures and depths alone, over F L, less 1"
-            )
-            rows.append((what, abs(off), CONSERVED, ""))
-    if parts := s.get("track", {}).get("parts"):
-        error = parts["estimated_error_at_most"]
-        rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))
+        if (off := getattr(s, f"books_{body}")) is not None:
+            books = f"Σ V/K of the {CALLED[body]}'s materials, from pressures and depths alone"
+            rows.append((f"{books}, over F L, less 1", abs(off), CONSERVED, ""))
+    if s.step_error is not None:
+        rows.append(("error of the area by the length of steps, estimated", s.step_error, STEPS, ""))
     return [
         {"what": what, "value": f"{value:.2g}{unit}", "most": f"{most:.2g}{unit}", "good": value <= most}
         for what, value, most, unit in rows

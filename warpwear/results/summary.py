@@ -1,13 +1,14 @@
 """What a run amounts to, each number declared once: as JSON has it, and as people read it."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.history.distances import with_unit
+from warpwear.history.end_values import Summary
 from warpwear.history.quantities import BY_NAME
 from warpwear.history.rows import Named
 from warpwear.history.verdict import verdict_of
@@ -34,8 +35,14 @@ def summarise(result: ResultFile) -> list[Row]:
 
     Of a swept run, values that go up and down along the track (approach, cof, areas in contact and at
     hardness, pressures) are means over what `end_values` names, mostly the last cycle; the largest
-    pressure is the largest there.
+    pressure is the largest there. All this is made once; the seconds that the run took come later.
     """
+    rows = result.once(_rows)
+    return [*rows[:-1], Row("", "seconds", result.seconds), rows[-1]] if result.seconds else rows
+
+
+def _rows(result: ResultFile) -> list[Row]:
+    """Declare all but the seconds; the last are the assumptions."""
     end = last_values(result)
     rows = [
         *_run(result, end),
@@ -53,14 +60,8 @@ def summarise(result: ResultFile) -> list[Row]:
         *summary_models.layers(result),
         *_checks(result, end),
     ]
-    verdict = verdict_of(result.study, record(rows), result.history)
-    rows = [Row("verdict", "verdict", verdict, sentence=verdict["text"]), *rows]
-    return with_seconds(rows, result.seconds) if result.seconds else rows
-
-
-def with_seconds(rows: Sequence[Row], seconds: Mapping[str, float]) -> list[Row]:
-    """Add what the run took to its rows, before its assumptions. seconds: by the phase's name."""
-    return [*rows[:-1], Row("", "seconds", seconds), rows[-1]]
+    verdict = verdict_of(result.study, Summary.of(record(rows)), result.history)
+    return [Row("verdict", "verdict", vars(verdict), sentence=verdict.text), *rows]
 
 
 def summary_text(rows: Sequence[Row]) -> str:
@@ -71,12 +72,14 @@ def summary_text(rows: Sequence[Row]) -> str:
 
 
 def last_values(result: ResultFile) -> dict[str, float]:
-    """Map each column of the history to its end value, which of a swept run may be of the last cycle."""
-    study, history = result.study, result.history
+    """Map columns of the history, and shear_strength, to end values; of a swept run maybe of a last cycle."""
+    study, history, law = result.study, result.history, result.study.friction.law_with()
     end = Named({name: float(values[-1]) for name, values in history.items()})
     for name in OF_A_PASS:
         end[name] = passes.mean_over(history, history[name], "end", study.laps)
     end["pressure_max"] = float(history["pressure_max"][passes.within(history, "end", study.laps)].max())
+    fit: Any = {"load": history["load"], "finished": result.finished, "laps": study.laps}
+    end["shear_strength"] = law.final_strength(history, **fit)
     return end
 
 
@@ -142,7 +145,7 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
     of_pass, of_steps = ", ", ""
     if result.study.is_swept:
         of_pass, of_steps = f"(mean of the {_end(result)}), ", f", of the {_end(result)}"
-    along, across = end["patch_along"], end["patch_across"]
+    size = {way: end[f"patch_{way}"] for way in ("along", "across")}
     real, means = end["area_contact"] / end["area_nominal"], result.history["pressure_mean"]
     outline = "a rectangle" if result.study.counter.form.is_line else "an ellipse"
     of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as {outline})"
@@ -155,13 +158,12 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
     ]
     labels = {"mean": "mean", "std": "", "max": "largest"}
     pressures = [Row(label, name, end[f"pressure_{name}"]) for name, label in labels.items()]
-    size, text = {"along": along, "across": across}, f"{shown([along, across])} mm (along × across)"
     volumes, strip = {b: end[f"wear_volume_{b}"] for b in BODIES}, result.study.strip
     note = f"(of the domain's {strip:.4g} mm across)" if strip else ""
     of_line = {body: volume / strip for body, volume in volumes.items()} if strip else None
     of_steps_all = {"smallest": float(means.min()), "largest": float(means.max()), "std": float(means.std())}
     return [
-        Row("scar", "scar_mm", size, sentence=text),
+        Row("scar", "scar_mm", size, sentence=f"{shown([*size.values()])} mm (along × across)"),
         Row("", "approach_um", 1.0e3 * end["approach"]),
         Row("", "area_mm2", areas),
         Row("", "area_real_over_nominal", real),
@@ -234,17 +236,15 @@ def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     study, history, section = result.study, result.history, result.study.friction
     law, load, laps = section.law_with(), history["load"], study.laps
     first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
-    strength = finite(law.final_strength(history, load=load, finished=result.finished, laps=laps))
+    shapes = {"cof_shape": _shape(result, "cof"), "area_shape": _shape(result, f"area_{section.area}")}
     others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
     return [
         _cof(study, first, last),
         Row("", "cof_input", section.fitted),
-        _strength(study, strength),
+        _strength(study, finite(end["shear_strength"])),
         Row("", "shear_strength_of_softer_body_MPa", finite(study.shear_limit)),
-        *entries({"cof_area": section.area if law.strengths else None, "cof_shape": _shape(result, "cof")}),
-        *entries(
-            {"area_shape": _shape(result, f"area_{section.area}"), "cof_reference": section.coefficient}
-        ),
+        *entries({"cof_area": section.area if law.strengths else None, **shapes}),
+        Row("", "cof_reference", section.coefficient),
         _strengths(section.coefficient, others),
     ]
 
@@ -328,10 +328,9 @@ def _fitted(fit: Breaking | str) -> list[Row]:
     """Declare the fitted course of the bare fraction, with standard errors, or why there is none."""
     if isinstance(fit, str):
         return [Row("", "fit", None), Row("", "no_fit", fit), Row("fitted course", "", f"none: {fit}")]
-    of_plateau, of_length = ("plateau_error", fit.plateau_error), ("e_folding_error_mm", fit.length_error)
     constants = [
-        Row("plateau", "plateau", fit.plateau, digits=3, error=of_plateau),
-        Row("e-folding", "e_folding_mm", fit.length, digits=3, error=of_length),
+        Row("plateau", "plateau", fit.plateau, digits=3, error=fit.plateau_error),
+        Row("e-folding", "e_folding_mm", fit.length, digits=3, error=fit.length_error),
         Row("from", "start_mm", fit.start, digits=3, note="on"),
         Row("", "rms", fit.rms),
     ]

@@ -1,7 +1,7 @@
 """What a run leaves beside its HDF5 file: the study, the history and the summary as text."""
 
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
 from warpwear.results.formats.metadata import write_metadata
 from warpwear.results.manifest import replacing
-from warpwear.results.report import Row, record, to_json
+from warpwear.results.report import record, to_json
 from warpwear.results.summary import summarise
 
 
@@ -25,8 +25,8 @@ def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, Fl
     np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.12g")
 
 
-def write_tables(folder: Path, result: ResultFile) -> list[Row]:
-    """Write study.toml, history.csv, surface.csv, summary.json, metadata; return the summary's rows."""
+def write_tables(folder: Path, result: ResultFile) -> None:
+    """Write study.toml, history.csv, surface.csv, summary.json and metadata into a folder."""
     sections = result.study.to_toml()
     if result.owns_surface:  # beside it, wherever the folder is moved
         content = tomllib.loads(sections)
@@ -37,13 +37,11 @@ def write_tables(folder: Path, result: ResultFile) -> list[Row]:
     with phase("evolution"):
         evolution = surface_evolution(result)
     _write_table(folder / "surface.csv", EVOLUTION, evolution.table)
-    rows = summarise(result)
-    write_summary(folder, rows)
+    write_summary(folder, result)
     write_metadata(folder, result)
-    return rows
 
 
-def write_summary(folder: Path, rows: Iterable[Row]) -> None:
-    """Write summary.json into a folder, at once in place of an older one. rows: as of `summarise`."""
+def write_summary(folder: Path, result: ResultFile) -> None:
+    """Write summary.json into a folder, at once in place of an older one."""
     with replacing(folder / "summary.json") as new:
-        new.write_text(f"{to_json(record(rows))}\n", encoding="utf-8")
+        new.write_text(f"{to_json(record(summarise(result)))}\n", encoding="utf-8")

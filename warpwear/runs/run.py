@@ -19,9 +19,7 @@ from warpwear.errors import InputError
 from warpwear.result import Result
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, OWN_SURFACE, SURFACE_FILE
-from warpwear.results.report import Row
 from warpwear.results.seal import HEADER, sealing
-from warpwear.results.summary import with_seconds
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
@@ -203,25 +201,23 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
         cores = check_threads(options.threads)
         with run_folder.owned(options.out):
             with process.Painter(cores) if draws else nullcontext() as painter:
-                result, rows = _compute(order, options, progress, painter)
+                result = _compute(order, options, progress, painter)
                 if options.out is not None and painter is not None:
-                    _draw(result, rows, options, painter)
+                    _draw(result, options, painter)
             result.seconds = clock.seconds
             if options.out is not None:
                 result.at_hand = {}
-                if rows is not None:
-                    write_summary(options.out, with_seconds(rows, result.seconds))
+                if options.whole:
+                    write_summary(options.out, result)
     return result
 
 
-def _compute(
-    order: RunOrder, options: RunOptions, progress: Progress, painter: "Painter | None"
-) -> tuple[Result, list[Row] | None]:
-    """Make the steps and leave the run in its folder; returns its result and its summary.
+def _compute(order: RunOrder, options: RunOptions, progress: Progress, painter: "Painter | None") -> Result:
+    """Make the steps and leave the run in its folder; returns its result.
 
     Raises at the end, when all is in its place, what stopped the run early.
     """
-    study, rows = order.study, None
+    study = order.study
     with (
         report_out_of_memory(study.cells),
         order.arrangement.executor(study, device=options.device, threads=options.threads) as executor,
@@ -254,7 +250,7 @@ def _compute(
                 with sealing(work / FILE_NAME, MAGIC), Result.of(work / FILE_NAME) as before:
                     before.study, before.at_hand = study, writer.at_hand
                     before.take_over(result)
-                    rows = _leave(before, loop, work if options.whole else None, painter)
+                    _leave(before, loop, work if options.whole else None, painter)
                 run_folder.move_into_place(work, options.out)
                 loop.end_checkpoints()
                 result = Result.of(options.out / FILE_NAME)
@@ -264,7 +260,7 @@ def _compute(
                     result.study = study
     if loop.stopped is not None:
         raise loop.stopped
-    return result, rows
+    return result
 
 
 def _writer_of(
@@ -282,29 +278,29 @@ def _writer_of(
     return writer
 
 
-def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> list[Row] | None:
+def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> None:
     """Write tables into the work folder, if any, and order the figures that need them, and the page."""
-    rows = write_tables(work, result) if work else None
+    if work:
+        write_tables(work, result)
     if loop.finished and painter is not None and painter.draws:
         painter.order(result.plot)
-        if rows is not None:
-            painter.order_page(manifest.PAGE, pages.content_of(result, rows, result.plot), pages.MAKER)
-    return rows
+        if work:
+            painter.order_page(manifest.PAGE, pages.content_of(result, result.plot), pages.MAKER)
 
 
-def _draw(result: Result, rows: list[Row] | None, options: RunOptions, painter: "Painter") -> None:
+def _draw(result: Result, options: RunOptions, painter: "Painter") -> None:
     """Write the figures and the page, those of the painter and those that it left."""
     assert options.out is not None
     with phase("draw"):
         drawn = painter.pictures()
         paths = result.plot.save_all(options.out / manifest.FIGURES, plots=options.plots, drawn=drawn)
-        if rows is not None:
-            pages.write_page(options.out, drawn.get(manifest.PAGE) or _page_of(result, rows, paths))
+        if options.whole:
+            pages.write_page(options.out, drawn.get(manifest.PAGE) or _page_of(result, paths))
 
 
-def _page_of(result: Result, rows: list[Row], paths: list[Path]) -> bytes:
+def _page_of(result: Result, paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
-    content = pages.content_of(result, rows, result.plot)
+    content = pages.content_of(result, result.plot)
     names = pages.statics(content)
     return pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
 

@@ -180,7 +180,7 @@ def test_a_programme_slides_on_circles_of_its_disc(case: str, tmp_path: Path, de
         history, number = result.history, result.history["block"]
         assert [block["track_radius_mm"] for block in result.summary["blocks"]] == [*RADII]
         assert "on a track of 0.9 mm radius" in summary_text(summarise(result))
-        assert "along tracks of 0.161 and 0.9 mm radius under" in words_of(study, summarise(result))["asked"]
+        assert "along tracks of 0.161 and 0.9 mm radius under" in words_of(result)["asked"]
         kept = [float(distance) for distance in result.snapshot_distances]
     assert study.blocks[0].end in kept or not study.output.snapshots
     for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
