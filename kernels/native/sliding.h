@@ -51,7 +51,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
             const Span span = span_of_tile(t, vectors_per_row);
             if (MAKES) make_cells(step, sources, cells, row, under, span);
             const Lanes apart = gap_of_tile(span, counter, disc, gap, shear_ratio, step);
-            const double low = -reduce_team(most(-apart), false);
+            const double low = -reduce_warp(most(-apart), false);
             if (lane_of_team() == 0) ((double*)tile_bounds)[t] = low;
             return low;
         };
@@ -205,7 +205,6 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     const bool sheared = RARE && shear_depth > 0.0;
     const int vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_depth = NEARLY_NONE;
-    const Counts no = 0, yes = 1;
     Sums<TrackSum> sums;
     Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0;
     double first_column = NO_INDEX, last_column = NO_INDEX;
@@ -273,8 +272,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
                 sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
-                sums.counted(TrackSum::CONTACT) += p > zero ? yes : no;
-                sums.counted(TrackSum::CAPPED) += p >= cap_here ? yes : no;
+                sums.counted(TrackSum::CONTACT) += one_if(p > zero);
+                sums.counted(TrackSum::CAPPED) += one_if(p >= cap_here);
                 if (RARE) sums.of(TrackSum::BARE) += p > zero ? own_or(own.material, i, zero) : zero;
                 low = smaller_of(low, s);
                 high = larger_of(high, d);
@@ -284,7 +283,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 deepest_counter = larger_of(deepest_counter, a);
                 deepest_disc = larger_of(deepest_disc, b);
                 const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
-                touched += ever > zero ? yes : no;
+                touched += one_if(ever > zero);
                 if (keeps_reached) reached[i] = ever;
                 was_touched[(i - first) / TEAM] = ever;
             }
@@ -293,11 +292,11 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 first_column = wp::max(first_column, most(ever > zero ? -column : none));
                 last_column = wp::max(last_column, most(ever > zero ? column : none));
             }
-            const double lowest = -reduce_team(most(-low), false), largest = reduce_team(most(high), false);
-            const double smallest = is_known ? -reduce_team(most(-apart), false) : 0.0;
-            const double of_tile[] = {reduce_team(total(worn_counter), true),
-                                      reduce_team(total(worn_disc), true), reduce_team(count(touched), true),
-                                      reduce_team(total(pressed), true)};
+            const double lowest = -reduce_warp(most(-low), false), largest = reduce_warp(most(high), false);
+            const double smallest = is_known ? -reduce_warp(most(-apart), false) : 0.0;
+            const double of_tile[] = {reduce_warp(total(worn_counter), true),
+                                      reduce_warp(total(worn_disc), true), reduce_warp(count(touched), true),
+                                      reduce_warp(total(pressed), true)};
             if (lane_of_team() != 0) continue;
             wp::index(tile_bounds.lowest, row, t) = lowest;
             wp::index(tile_bounds.highest, under, t) = largest;

@@ -26,7 +26,6 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spri
 #pragma clang fp contract(fast)
 #endif
     const Lanes zero = 0.0;
-    const Counts no = 0, yes = 1;
     Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), spring), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
     const Lanes wearing = wearing_pressure(spring, p).counter;
@@ -36,11 +35,11 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spri
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;
     sums.of(WearSum::DEVIATION_SQUARED) += d * d;
-    sums.counted(WearSum::CONTACT) += p > zero ? yes : no;
-    sums.counted(WearSum::CAPPED) += p >= cap ? yes : no;
+    sums.counted(WearSum::CONTACT) += one_if(p > zero);
+    sums.counted(WearSum::CAPPED) += one_if(p >= cap);
 
     const Lanes w = g - unworn;
-    touches = p > zero || w > zero ? yes : no;
+    touches = one_if(p > zero || w > zero);
     sums.counted(WearSum::TOUCHED) += touches;
     sums.of(WearSum::WORN) += w;
     sums.deepest = sums.deepest > w ? sums.deepest : w;
