@@ -19,10 +19,10 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
 from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 from warpwear.laws.film import Film
+from warpwear.laws.form import Ball
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
-from warpwear.surfaces.form import Ball
 
 Contact = SlidingContact | SlidingHalfSpace
 
