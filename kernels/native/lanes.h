@@ -246,6 +246,14 @@ template <typename Line> struct Sums {
     }
 };
 
+// What the slot leaves in its column of a table of maxima, from the first line on.
+template <int N, typename Table>
+WARPWEAR_FN void list_largest(Partial* partials, Table& table, int slot, const double (&largest)[N])
+{
+#pragma unroll
+    for (int n = 0; n < N; ++n) partials[n] = {largest[n], &wp::index(table, n, slot), false};
+}
+
 template <int N> WARPWEAR_FN void store_partials(const Partial (&partials)[N])
 {
 #if defined(__CUDA_ARCH__)

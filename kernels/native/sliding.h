@@ -110,14 +110,10 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
                               const Bounds& bounds, const Sources& sources, const Properties& cells,
                               const Bodies& bodies, const List& list, const Count& counts)
 {
-    const auto by = [&](auto made) {
+    told(makes(sources, cells) && bounds.stays == 0, [&](auto made) {
         select_by<decltype(made)::value>(slot, slots, lists, slides, bounds, sources, cells, bodies, list,
                                          counts);
-    };
-    if (makes(sources, cells) && bounds.stays == 0)
-        by(Is<true>());
-    else
-        by(Is<false>());
+    });
 }
 
 // Tiles that are listed in all. Every thread of a deciding slot gets the number.
@@ -320,9 +316,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     const int more = sizeof(largest) / sizeof(double);
     Partial partials[lines + more];
     sums.list<lines>(partials, tables.sums, slot);
-#pragma unroll
-    for (int n = 0; n < more; ++n)
-        partials[lines + n] = {largest[n], &wp::index(tables.maxima, n, slot), false};
+    list_largest(partials + lines, tables.maxima, slot, largest);
     store_partials(partials);
 }
 
@@ -346,7 +340,6 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                       cells.cap_ratio.shape[0] > 0;
     const bool own = cells.k_disc.shape[0] > 0;
     if (springs.bends.knots.shape[0] > 0) return by(Is<true>(), Is<true>(), bend_of(springs.bends));
-    if (rare) by(Is<true>(), Is<true>(), alike);
-    if (!rare && own) by(Is<true>(), Is<false>(), alike);
-    if (!rare && !own) by(Is<false>(), Is<false>(), alike);
+    if (rare) return by(Is<true>(), Is<true>(), alike);
+    told(own, [&](auto one_each) { by(one_each, Is<false>(), alike); });
 }

@@ -87,6 +87,10 @@ template <bool IS> struct Is {
     static const bool value = IS;
 };
 
+// Do something told by a type whether a condition holds.
+template <typename Do> WARPWEAR_FN void told(bool is, const Do& act)
+{ is ? act(Is<true>()) : act(Is<false>()); }
+
 // The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
 template <typename List, typename Count, typename Springs, typename Field>
 WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, Springs& springs,
@@ -101,12 +105,10 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
     const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
     const bool own_caps = cap_ratio.shape[0] > 0;
     const Lanes alike = search.stiffness;
-    if (bends && !own_caps) return by(Is<false>(), Is<false>(), bend_of(springs.bends));
-    if (bends) return by(Is<false>(), Is<true>(), bend_of(springs.bends));
-    if (!own && !own_caps) by(Is<false>(), Is<false>(), alike);
-    if (own && !own_caps) by(Is<true>(), Is<false>(), alike);
-    if (!own && own_caps) by(Is<false>(), Is<true>(), alike);
-    if (own && own_caps) by(Is<true>(), Is<true>(), alike);
+    told(own_caps, [&](auto caps) {
+        if (bends) return by(Is<false>(), caps, bend_of(springs.bends));
+        told(own, [&](auto one_each) { by(one_each, caps, alike); });
+    });
 }
 
 // Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,
