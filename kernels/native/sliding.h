@@ -39,7 +39,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
     const double limit = wp::index(lists, 0).limit + shear_depth;
     const int shift = step.shift, vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (vectors_per_row + OF_TILE - 1) / OF_TILE;
-    const bool stays = bounds.stays == 1;
+    const bool keeps_gap = bounds.keeps_gap == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const counter = row_of(bodies.counter, row), *const disc = row_of(bodies.disc, under);
@@ -64,7 +64,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
         for (int first = 0; first < tiles; first += blockDim.x) {
             for (int n = warp; n < blockDim.x && first + n < tiles; n += warps) {
                 const int t = first + n;
-                const double low = stays ? tile_bounds[t] : 0.0;
+                const double low = keeps_gap ? tile_bounds[t] : 0.0;
                 bool here = (low != 0.0 ? low : lowest[t] - highest[t]) <= limit;
                 __syncwarp(); // before the first thread of the warp notes another
                 if (here && low == 0.0) here = lowest_gap(t) <= limit;
@@ -87,7 +87,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
         const Lanes zero = 0.0;
         for (int m = 0; m < bounds.lowest.shape[1]; ++m) {
             if (wp::index(bounds.lowest_of_eight, row, m) - highest_here > limit) continue;
-            const Lanes low = stays ? (Lanes)tile_bounds[m] : zero;
+            const Lanes low = keeps_gap ? (Lanes)tile_bounds[m] : zero;
             const Lanes bound = low != zero ? low : lowest[m] - highest[m];
             if (!any(bound <= limit)) continue;
             const int end = tiles - m * LANES < LANES ? tiles - m * LANES : LANES;
@@ -110,7 +110,7 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
                               const Bounds& bounds, const Sources& sources, const Properties& cells,
                               const Bodies& bodies, const List& list, const Count& counts)
 {
-    told(makes(sources, cells) && bounds.stays == 0, [&](auto made) {
+    told(makes(sources, cells) && bounds.keeps_gap == 0, [&](auto made) {
         select_by<decltype(made)::value>(slot, slots, lists, slides, bounds, sources, cells, bodies, list,
                                          counts);
     });
@@ -194,9 +194,9 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     const auto wear = step.removal; // a loop over cells need not read it again
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
-    const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
+    const double tie_pressure = law.tie_pressure, yield_depth = step.yield_depth, reference = step.reference;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool presses = RARE && full_depth < NO_LIMIT, is_known = tile_bounds.gap.shape[0] > 0;
+    const bool presses = RARE && yield_depth < NO_LIMIT, is_known = tile_bounds.gap.shape[0] > 0;
     const double shear_depth = step.removal.shear_counter + step.removal.shear_disc;
     const bool sheared = RARE && shear_depth > 0.0;
     const int vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
@@ -235,7 +235,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 p = size_of(overlap) > tie_width ? p : tie_pressure * cap_ratio;
                 Lanes d = disc[i];
                 if (presses) {
-                    const Lanes beyond = larger_of(overlap - full_depth * cap_ratio, zero);
+                    const Lanes beyond = larger_of(overlap - yield_depth * cap_ratio, zero);
                     d -= beyond;
                     const Lanes x = plastic[i] + beyond;
                     plastic[i] = x;
@@ -334,7 +334,7 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const Lanes alike = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
-    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.removal.shear_counter > 0.0 ||
+    const bool rare = keeps_reached || step.yield_depth < NO_LIMIT || step.removal.shear_counter > 0.0 ||
                       step.removal.shear_disc > 0.0 || cells.material.shape[0] > 0 ||
                       cells.k_counter.shape[0] > 0 || cells.stiffness.shape[0] > 0 ||
                       cells.cap_ratio.shape[0] > 0;

@@ -8,8 +8,9 @@
 // counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
 // counter-body it is the mean of the disc's wear. What cells have of their own is made with it.
 template <typename Slides, typename Bodies, typename Sources, typename Properties, typename Field>
-WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Sources& sources,
-                      const Properties& cells, const Field& means, const Field& gaps)
+WARPWEAR_FN void make_gaps(int slot, int slots, const Slides& slides, const Bodies& bodies,
+                           const Sources& sources, const Properties& cells, const Field& means,
+                           const Field& gaps)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
@@ -85,7 +86,7 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
     const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
-    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.ahead;
+    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.growth_ahead;
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     Sums<PressureSum> summed;
@@ -242,9 +243,9 @@ WARPWEAR_FN void add_mean(int slot, int slots, int window, const Field& field, c
 // less steep than `keeps` of the line before. Partial is the
 // most by which the line before was off.
 template <typename Bends, typename Field, typename Table>
-WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
-                            const Field& last, const Field& far, const Field& gap, const Field& gap_out,
-                            const Field& yields, Table& off)
+WARPWEAR_FN void linearise(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
+                           const Field& last, const Field& far, const Field& gap, const Field& gap_out,
+                           const Field& yields, Table& off)
 {
     const Bend bend = bend_of(bends);
     const double counter = bends.step.data[1], disc = bends.step.data[2];

@@ -127,7 +127,7 @@ class ExponentialLaw(WearLaw):
 
     def wear_per_pressure(self, start: float, increment: Number) -> Number:
         """Return ∫ K dL [mm³/N]; see `WearLaw`."""
-        return self.steady * of_decay(start, increment, 1.0 / self.decay)
+        return self.steady * decay_integral(start, increment, 1.0 / self.decay)
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ class RunningInLaw(WearLaw):
     def wear_per_pressure(self, start: float, increment: Number) -> Number:
         """Return ∫ K dL [mm³/N]; see `WearLaw`."""
         assert self.initial is not None
-        more = (self.initial - self.steady) * of_decay(start, increment, self.running_in)
+        more = (self.initial - self.steady) * decay_integral(start, increment, self.running_in)
         return self.steady * increment + more
 
 
@@ -189,7 +189,7 @@ class EnergyLaw(WearLaw):
 
     def wear_per_contact(self, start: float, increment: float) -> float:
         """Return ∫ α τ dL [mm]; see `WearLaw`."""
-        more = (self.ratio - 1.0) * of_decay(start, increment, self.running_in)
+        more = (self.ratio - 1.0) * decay_integral(start, increment, self.running_in)
         return self.shear * (increment + more)
 
 
@@ -268,7 +268,7 @@ def wear_in_steps(
     return [(counter.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
 
 
-def of_decay(start: Any, increment: Number, length: Any) -> Number:
+def decay_integral(start: Any, increment: Number, length: Any) -> Number:
     """Return ∫ e^(−L/length) dL from start over an increment [mm], exact for small ones too."""
     # NumPy's own exp may differ in the last digit from one processor to the next: runs take that of C.
     arrays = any(isinstance(value, np.ndarray) for value in (start, increment, length))
