@@ -206,7 +206,7 @@ def select(
 
 
 @wp.kernel
-def listed(
+def check_list(
     lists: wp.array(dtype=Listing), listing: wp.array(dtype=wp.int32), tiles: TileLists, least: wp.int32
 ):
     """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""

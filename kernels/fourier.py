@@ -4,7 +4,6 @@ The C++ is in `native/fourier.h`, which says how modes lie. Kernels of transform
 precision, by kind of number.
 """
 
-import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -28,27 +27,7 @@ def of_both(function: str) -> Callable[[Callable[..., None]], dict[Any, Any]]:
 
     Each has a name of its own: overloads of one kernel are one and the same for a recording on a CPU.
     """
-
-    def kernels_of(declared: Callable[..., None]) -> dict[Any, Any]:
-        return {kind: native_pass(function)(_of_kind(declared, kind)) for kind in LINES}
-
-    return kernels_of
-
-
-def _of_kind(declared: Callable[..., None], kind: Any) -> Callable[..., None]:
-    """Declare the same with arrays of a type of number wherever any will do."""
-
-    def stub() -> None: ...
-
-    real, types = wp.dtype_from_numpy(kind), inspect.get_annotations(declared)
-    stub.__name__ = stub.__qualname__ = f"{declared.__name__}_{kind.__name__}"
-    stub.__module__, stub.__doc__ = declared.__module__, declared.__doc__
-    stub.__signature__ = inspect.signature(declared)  # type: ignore[attr-defined]
-    stub.__annotations__ = {
-        name: wp.array(dtype=real, ndim=of.ndim) if getattr(of, "dtype", None) is Any else of
-        for name, of in types.items()
-    }
-    return stub
+    return lambda declared: {kind: native_pass(function, kind=kind)(declared) for kind in LINES}
 
 
 @wp.struct

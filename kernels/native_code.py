@@ -56,16 +56,23 @@ def together(kernels: tuple[Any, ...]) -> dict[Any, Any]:
     return copies
 
 
-def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[..., None]], Any]:
+def native_pass(function: str, *, module: Any = None, kind: Any = None) -> Any:
     """Make a kernel that calls a C++ function of the headers for each of its slots.
 
     What is decorated declares the arguments of the function after its slot and the number of slots. Before
     them the kernel takes the first and the end of a range of slots, and their number: on a CPU one call of it
-    does a range, so that its arguments are read once. module: of Warp, that it is compiled with.
+    does a range, so that its arguments are read once. module: of Warp, that it is compiled with. kind: of
+    number in arrays of any; it ends the kernel's name.
     """
 
     def kernel_of(declared: Callable[..., None]) -> Any:
-        names = ["first", "end", "slots", *inspect.signature(declared).parameters]
+        name, of = declared.__name__, inspect.get_annotations(declared)
+        if kind is not None:
+            name, real = f"{name}_{kind.__name__}", wp.dtype_from_numpy(kind)
+            any_kind = {key: one for key, one in of.items() if getattr(one, "dtype", None) is Any}
+            of |= {key: wp.array(dtype=real, ndim=one.ndim) for key, one in any_kind.items()}
+        types = dict.fromkeys(("first", "end", "slots"), wp.int32) | of
+        names = [*types]
         call = f"{function}(slot, {', '.join(names[2:])});"
 
         def slots_of_range() -> None: ...
@@ -74,21 +81,29 @@ def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[...,
             return native  # where Warp looks up the name
 
         for stub in (slots_of_range, kernel):
-            for name in ("__name__", "__qualname__", "__module__", "__doc__"):
-                setattr(stub, name, getattr(declared, name))
-            types = dict.fromkeys(names[:3], wp.int32) | inspect.get_annotations(declared)
-            stub.__annotations__ = {name: types[name] for name in names}
+            stub.__name__ = stub.__qualname__ = name
+            stub.__module__, stub.__doc__, stub.__annotations__ = declared.__module__, declared.__doc__, types
             stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-                [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in names]
+                [inspect.Parameter(key, inspect.Parameter.POSITIONAL_OR_KEYWORD) for key in names]
             )
         native = wp.func_native(f"EACH_SLOT {call}")(slots_of_range)
         place = "first + wp.tid() // wp.block_dim()"
-        source = f"def {declared.__name__}({', '.join(names)}):\n    native({place}, {', '.join(names[1:])})"
+        source = f"def {name}({', '.join(names)}):\n    native({place}, {', '.join(names[1:])})"
         whole = wp.Kernel(kernel, module=module, source=source)
         RANGED.add(whole)
         return whole
 
     return kernel_of
+
+
+def pass_over(kind: Any, function: str, *, module: Any = None) -> Any:
+    """Make a kernel as `native_pass` does, of a function whose one argument is a struct of a kind."""
+
+    def declared() -> None: ...
+
+    declared.__name__, declared.__module__ = re.sub(r"\W", "_", function), kind.__module__
+    declared.__annotations__ = {"over": kind}
+    return native_pass(function, module=module)(declared)
 
 
 @cache

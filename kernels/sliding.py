@@ -38,7 +38,7 @@ class Removal:
     slipping_counter: wp.float64  # K ΔL over the distance of a cycle, of what slips by cells [mm²/N]
     slipping_disc: wp.float64
     slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]
-    ahead: wp.float64  # of what slips grew by in the last jump, to the end of this one
+    growth_ahead: wp.float64  # of what slips grew by in the last jump, to the end of this one
 
 
 @wp.struct
@@ -57,7 +57,7 @@ class Slide:
     own: wp.float64  # compliance that is not wear [mm³/N]
     compliance: wp.float64  # of a cell that slides as far as the middle [mm³/N]
     stiffness: wp.float64  # 1/c where that is of all cells, else 0 [N/mm³]
-    full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
+    yield_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
     reference: wp.float64  # squares are those of the deviation from it [MPa]
     removal: Removal
@@ -109,7 +109,7 @@ class Bounds:
     lowest: wp.array2d(dtype=Cells)  # of the counter-body's tiles, eight in a vector
     highest: wp.array2d(dtype=Cells)  # of the disc's
     gap: wp.array2d(dtype=Cells)  # lowest of pairs of tiles; 0 where it was never made
-    stays: wp.int32  # 1 where that and the gap stay as they are made and worn
+    keeps_gap: wp.int32  # 1 where that and the gap stay as they are made and worn
 
 
 @wp.struct
@@ -140,7 +140,7 @@ def _count_listed(count: wp.array(dtype=wp.int32)) -> wp.int32: ...
 
 
 @wp.kernel
-def listed(
+def check_list(
     lists: wp.array(dtype=Listing),
     listing: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),

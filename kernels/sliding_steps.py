@@ -19,17 +19,17 @@ from warpwear.kernels.wear import BALANCE, enter_balance, is_within, total_of
 TOGETHER = wp.get_module("warpwear.kernels.sliding")
 
 #: Sums over tiles and rows: columns of the history after those of `BALANCE`, `TrackSum` and `TrackMost`.
-KEPT = ("touched", "worn_counter", "worn_disc", "pressed_disc")
+ROW_SUMS = ("touched", "worn_counter", "worn_disc", "pressed_disc")
 #: What follows them.
 LAST = ("first_row", "last_row", "bearing")
-TOTALS = wp.constant(wp.int32(len(BALANCE)))
-MAXIMA = wp.constant(wp.int32(len(BALANCE) + len(TrackSum)))
-OF_ROWS = wp.constant(wp.int32(len(BALANCE) + len(TrackSum) + len(TrackMost)))
+SUMS_AT = wp.constant(wp.int32(len(BALANCE)))
+MAXIMA_AT = wp.constant(wp.int32(len(BALANCE) + len(TrackSum)))
+ROW_SUMS_AT = wp.constant(wp.int32(len(BALANCE) + len(TrackSum) + len(TrackMost)))
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES = wp.constant(wp.int32(8))
-TIMES = wp.constant(wp.float64(2.0))
+SCATTER_FACTOR = wp.constant(wp.float64(2.0))
 #: Of a list that serves several steps: how many times further it reaches.
-AHEAD = wp.constant(wp.float64(1.0))
+REACH_FACTOR = wp.constant(wp.float64(1.0))
 #: What the approach may change by when nothing is known of it, and at least [mm].
 FIRST_SCATTER = wp.constant(wp.float64(1.0e-4))
 LEAST_SCATTER = wp.constant(wp.float64(1.0e-6))
@@ -59,13 +59,13 @@ class SlidingSteps:
     history: wp.array2d(dtype=wp.float64)  # a row a step
     within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
     changes: wp.array(dtype=wp.float64)  # the last ones of the approach, −1 for none [mm]
-    course: wp.array(dtype=SlidingMemory)  # one
+    memory: wp.array(dtype=SlidingMemory)  # one
     slides: wp.array(dtype=Slide)  # one
     stepping: wp.array(dtype=wp.int32)  # flag: there is a step to be made
     solved: wp.array(dtype=wp.int32)  # flag: its balance was found
     is_rigid: wp.int32  # 1 for a bearing area
     moves: wp.int32  # 1 where the disc does
-    stays: wp.int32  # 1 where a list may serve several steps
+    reuses_list: wp.int32  # 1 where a list may serve several steps
     columns: wp.int32  # of the grid
     margin: wp.int32  # columns beside those touched that are worn too
 
@@ -76,7 +76,7 @@ def scatter_of(changes: wp.array(dtype=wp.float64)):
     most = -ONE
     for n in range(CHANGES):
         most = wp.max(most, changes[n])
-    return wp.max(TIMES * wp.where(most < ZERO, HALF * FIRST_SCATTER, most), LEAST_SCATTER)
+    return wp.max(SCATTER_FACTOR * wp.where(most < ZERO, HALF * FIRST_SCATTER, most), LEAST_SCATTER)
 
 
 @wp.func
@@ -88,31 +88,31 @@ def least_shear(slide: Slide):
 @wp.func
 def begin_step(springs: Springs, steps: SlidingSteps):
     """Begin the search of a step, and tell its passes what they need."""
-    c = steps.course[0]
-    slide = steps.plan[c.step]
+    memory = steps.memory[0]
+    slide = steps.plan[memory.step]
     lends = wp.where(slide.compliance > slide.own, ONE, ZERO)  # implicit wear does
     springs.bends.step[0] = slide.own
     springs.bends.step[1] = lends * slide.removal.k_counter
     springs.bends.step[2] = lends * slide.removal.k_disc
-    steps.slides[0] = with_columns(slide, c, steps)
+    steps.slides[0] = with_columns(slide, memory, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]
     # How near a spring is to its cap depends on the list, so that each of their steps has its own.
-    stays = steps.stays == 1 and steps.is_rigid == 1
-    if not stays:
+    reuses_list = steps.reuses_list == 1 and steps.is_rigid == 1
+    if not reuses_list:
         lists.limit = -NONE  # the list of another displacement is none
         lists.asked = -NONE
         springs.listing[0] = 1
-    if c.is_begun == 0 and steps.is_rigid * steps.moves == 0:
-        lists.limit = c.first_limit
+    if memory.is_begun == 0 and steps.is_rigid * steps.moves == 0:
+        lists.limit = memory.first_limit
         if steps.is_rigid == 1:
-            springs.search[0] = area_between(springs, c.first_limit, scatter)
+            springs.search[0] = area_between(springs, memory.first_limit, scatter)
         else:
-            springs.search[0] = search_from_lowest(springs, c.smallest, slide.stiffness, c.softest)
+            springs.search[0] = search_from_lowest(springs, memory.smallest, slide.stiffness, memory.softest)
     else:
-        approach = wp.where(c.is_begun == 1, c.approach, c.smallest)
-        if stays:
-            lists = reached(lists, approach + scatter, AHEAD * scatter)
+        approach = wp.where(memory.is_begun == 1, memory.approach, memory.smallest)
+        if reuses_list:
+            lists = reached(lists, approach + scatter, REACH_FACTOR * scatter)
         else:
             lists = reached(lists, approach, scatter)
         if steps.is_rigid == 0:
@@ -126,14 +126,14 @@ def begin_step(springs: Springs, steps: SlidingSteps):
 
 
 @wp.func
-def with_columns(before: Slide, c: SlidingMemory, steps: SlidingSteps):
+def with_columns(before: Slide, memory: SlidingMemory, steps: SlidingSteps):
     """Give a step the columns that were touched before it, and those beside them that are worn too."""
     slide = before
     slide.first_column = 0
     slide.end_column = 0
-    if c.extents[3] >= ZERO:
-        slide.first_column = wp.max(-wp.int32(c.extents[2]) - steps.margin, 0)
-        slide.end_column = wp.min(wp.int32(c.extents[3]) + 1 + steps.margin, steps.columns)
+    if memory.extents[3] >= ZERO:
+        slide.first_column = wp.max(-wp.int32(memory.extents[2]) - steps.margin, 0)
+        slide.end_column = wp.min(wp.int32(memory.extents[3]) + 1 + steps.margin, steps.columns)
     return slide
 
 
@@ -141,7 +141,7 @@ def with_columns(before: Slide, c: SlidingMemory, steps: SlidingSteps):
 def begin(steps: SlidingSteps):
     """Begins the steps of a plan, or goes on with them."""
     if wp.tid() == 0:
-        steps.stepping[0] = wp.where(steps.course[0].step < steps.course[0].steps, 1, 0)
+        steps.stepping[0] = wp.where(steps.memory[0].step < steps.memory[0].steps, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
@@ -155,22 +155,22 @@ def begin_search(springs: Springs, steps: SlidingSteps):
 def end_search(springs: Springs, steps: SlidingSteps):
     """Learns from the balance of a step, and tells the pass that wears of it."""
     if wp.tid() == 0:
-        c = steps.course[0]
+        memory = steps.memory[0]
         law = springs.law[0]
         steps.solved[0] = wp.where(springs.search[0].bracket.state == STUCK, 0, 1)
         if steps.solved[0] == 1:
             slide = steps.slides[0]
             slide.approach = law.base + law.offset + least_shear(slide)
-            slide.reference = wp.where(steps.is_rigid == 0 and c.mean > ZERO, c.mean, law.cap)
+            slide.reference = wp.where(steps.is_rigid == 0 and memory.mean > ZERO, memory.mean, law.cap)
             if not (slide.reference < NONE):
                 slide.reference = ZERO
             steps.slides[0] = slide
-            if c.is_begun == 1:
-                steps.changes[c.oldest] = wp.abs(slide.approach - c.approach)
-                c.oldest = (c.oldest + 1) % CHANGES
-            c.approach = slide.approach
-            c.is_begun = 1
-            steps.course[0] = c
+            if memory.is_begun == 1:
+                steps.changes[memory.oldest] = wp.abs(slide.approach - memory.approach)
+                memory.oldest = (memory.oldest + 1) % CHANGES
+            memory.approach = slide.approach
+            memory.is_begun = 1
+            steps.memory[0] = memory
 
 
 @wp.func_native("return sum_of_array(values);")
@@ -190,9 +190,9 @@ def record(springs: Springs, steps: SlidingSteps, tables: StepTables, row_sums: 
     """
     row = steps.slides[0].number
     history = steps.history
-    total_of(tables.sums, 1, history, row, TOTALS)
-    total_of(tables.maxima, 0, history, row, MAXIMA)
-    total_of(tables.bearing, 1, history, row, OF_ROWS + 6)
+    total_of(tables.sums, 1, history, row, SUMS_AT)
+    total_of(tables.maxima, 0, history, row, MAXIMA_AT)
+    total_of(tables.bearing, 1, history, row, ROW_SUMS_AT + 6)
     touched = _sum_of(row_sums.touched)
     worn_counter = _sum_of(row_sums.worn_counter)
     worn_disc = _sum_of(row_sums.worn_disc)
@@ -200,26 +200,26 @@ def record(springs: Springs, steps: SlidingSteps, tables: StepTables, row_sums: 
     first_row = _end_of(row_sums.touched, 0)
     last_row = _end_of(row_sums.touched, 1)
     if wp.tid() == 0:
-        c = steps.course[0]
+        memory = steps.memory[0]
         enter_balance(history, row, springs, steps.slides[0].reference)
         history[row, 1] += least_shear(steps.slides[0])
-        history[row, OF_ROWS] = touched
-        history[row, OF_ROWS + 1] = worn_counter
-        history[row, OF_ROWS + 2] = worn_disc
-        history[row, OF_ROWS + 3] = pressed_disc
-        history[row, OF_ROWS + 4] = first_row
-        history[row, OF_ROWS + 5] = last_row
-        pressure = history[row, TOTALS + wp.static(int(TrackSum.PRESSURE))]
-        contact = history[row, TOTALS + wp.static(int(TrackSum.CONTACT))]
-        first_column = history[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))]
-        last_column = history[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))]
-        now = wp.max(c.extents, wp.vec4d(first_row, last_row, first_column, last_column))
+        history[row, ROW_SUMS_AT] = touched
+        history[row, ROW_SUMS_AT + 1] = worn_counter
+        history[row, ROW_SUMS_AT + 2] = worn_disc
+        history[row, ROW_SUMS_AT + 3] = pressed_disc
+        history[row, ROW_SUMS_AT + 4] = first_row
+        history[row, ROW_SUMS_AT + 5] = last_row
+        pressure = history[row, SUMS_AT + wp.static(int(TrackSum.PRESSURE))]
+        contact = history[row, SUMS_AT + wp.static(int(TrackSum.CONTACT))]
+        first_column = history[row, MAXIMA_AT + wp.static(int(TrackMost.FIRST_COLUMN))]
+        last_column = history[row, MAXIMA_AT + wp.static(int(TrackMost.LAST_COLUMN))]
+        now = wp.max(memory.extents, wp.vec4d(first_row, last_row, first_column, last_column))
         goes_on = steps.solved[0] == 1 and contact > ZERO and pressure < NONE
-        goes_on = goes_on and is_within(c.extents, now, steps.within)
-        c.extents = now
+        goes_on = goes_on and is_within(memory.extents, now, steps.within)
+        memory.extents = now
         if steps.solved[0] == 1:
-            c.mean = pressure / wp.max(contact, ONE)
-            c.step = row + 1
-        steps.course[0] = c
-        steps.slides[0] = with_columns(steps.slides[0], c, steps)  # a film records its wear there
-        steps.stepping[0] = wp.where(goes_on and c.step < c.steps, 1, 0)
+            memory.mean = pressure / wp.max(contact, ONE)
+            memory.step = row + 1
+        steps.memory[0] = memory
+        steps.slides[0] = with_columns(steps.slides[0], memory, steps)  # a film records its wear there
+        steps.stepping[0] = wp.where(goes_on and memory.step < memory.steps, 1, 0)

@@ -23,10 +23,10 @@ wp.set_module_options(native_code.options("wear.h"))
 BALANCE = ("base", "offset", "cap", "residual", "tie_width", "tie_pressure", "evaluations", "reference")
 #: Columns of the plan: K ΔL of both bodies [mm³/N] and 1/c [N/mm³] of a step.
 PLAN = ("removal", "stiffness")
-TOTALS = wp.constant(wp.int32(len(BALANCE)))
-MAXIMA = wp.constant(wp.int32(len(BALANCE) + len(WearSum)))
+SUMS_AT = wp.constant(wp.int32(len(BALANCE)))
+EXTENTS_AT = wp.constant(wp.int32(len(BALANCE) + len(WearSum) + int(WearMost.FIRST_ROW)))
 #: The pressures of a step may miss the load by this many tolerances.
-LEFT = wp.constant(wp.float64(2.0))
+ALLOWED_TOLERANCES = wp.constant(wp.float64(2.0))
 LARGEST = wp.constant(wp.float64(1.0e308))
 
 
@@ -80,7 +80,7 @@ class RestSteps:
     plan: wp.array2d(dtype=wp.float64)  # a row a step, by `PLAN`
     history: wp.array2d(dtype=wp.float64)  # a row a step: `BALANCE`, `WearSum`, `WearMost`
     within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
-    course: wp.array(dtype=RestMemory)  # one
+    memory: wp.array(dtype=RestMemory)  # one
     increment: wp.array(dtype=Increment)  # one
     stepping: wp.array(dtype=wp.int32)  # flag: there is a step to be made
     is_rigid: wp.int32  # 1 for a bearing area
@@ -90,11 +90,11 @@ class RestSteps:
 @wp.func
 def begin_step(springs: Springs, steps: RestSteps):
     """Begin the search of a step at the approach expected, and use what was evaluated there before."""
-    c = steps.course[0]
-    removal = steps.plan[c.step, 0]
-    stiffness = steps.plan[c.step, 1]
+    memory = steps.memory[0]
+    removal = steps.plan[memory.step, 0]
+    stiffness = steps.plan[memory.step, 1]
     lists = springs.lists[0]
-    last = c.trend
+    last = memory.trend
     if last.is_begun == 0 or steps.is_rigid == 1:
         lists = list_from(lists, steps.smallest)
     steps.stepping[0] = 1
@@ -108,13 +108,13 @@ def begin_step(springs: Springs, steps: RestSteps):
         springs.search[0] = balance.search_from_lowest(springs, steps.smallest, stiffness, stiffness)
         springs.searching[0] = 1
     else:
-        is_known = c.is_ahead == 1 and c.stiffness_ahead == stiffness
+        is_known = memory.is_ahead == 1 and memory.stiffness_ahead == stiffness
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
-        step = wp.where(is_known, c.ahead, removal * c.mean)
+        step = wp.where(is_known, memory.ahead, removal * memory.mean)
         s = balance.search_from(last.approach, step, ZERO, stiffness)
         lists = reached(lists, last.approach + step, s.margin)
         if is_known:
-            s, lists = balance.judged(springs, s, lists, c.force, c.slope, c.near)
+            s, lists = balance.judged(springs, s, lists, memory.force, memory.slope, memory.near)
         conclude_step(springs, steps, s, lists)
 
 
@@ -124,41 +124,42 @@ def conclude_step(springs: Springs, steps: RestSteps, s: BalanceSearch, lists: L
     if s.bracket.state == LOOKS:
         balance.conclude(springs, s, lists)
     else:
-        balance.conclude(springs, s, expect(steps, s, lists, s.base + s.bracket.offset, springs.cap))
+        balance.conclude(springs, s, prepare(steps, s, lists, s.base + s.bracket.offset, springs.cap))
 
 
 @wp.func
-def expect(steps: RestSteps, s: BalanceSearch, lists_before: Listing, approach: wp.float64, cap: wp.float64):
+def prepare(steps: RestSteps, s: BalanceSearch, lists_before: Listing, approach: wp.float64, cap: wp.float64):
     """Prepare the wear of a step at its approach, and the list for the approach that is expected next."""
     lists = lists_before
-    c = steps.course[0]
-    removal = steps.plan[c.step, 0]
+    memory = steps.memory[0]
+    removal = steps.plan[memory.step, 0]
     now = Increment()
     now.is_ready = 1
     now.wear_per_pressure = removal
-    now.stiffness = steps.plan[c.step, 1]
-    now.reference = wp.where(c.mean > ZERO, c.mean, wp.where(cap < NONE, cap, ZERO))
+    now.stiffness = steps.plan[memory.step, 1]
+    now.reference = wp.where(memory.mean > ZERO, memory.mean, wp.where(cap < NONE, cap, ZERO))
     if steps.is_rigid == 1:
         now.reference = cap
     now.base_next = approach
     now.stiffness_next = now.stiffness
-    now.first_column = -wp.int32(c.extents[2])
-    now.last_column = wp.int32(c.extents[3])
+    now.first_column = -wp.int32(memory.extents[2])
+    now.last_column = wp.int32(memory.extents[3])
     if s.bracket.state == STUCK:
-        c.failed = 1
+        memory.failed = 1
         now.wear_per_pressure = ZERO
     else:
-        trend = learnt(c.trend, approach, removal)
-        c.trend = trend
-        c.ahead = ZERO
-        if c.step + 1 < c.known and steps.is_rigid == 0:
-            now.stiffness_next = steps.plan[c.step + 1, 1]
-            c.ahead = foreseen_step(trend, steps.plan[c.step + 1, 0])
-            lists = reached(lists, approach + wp.max(c.ahead, ZERO), balance.STEPS_AHEAD * wp.abs(c.ahead))
-        now.offset_next = c.ahead
-        c.stiffness_ahead = now.stiffness_next
+        trend = learnt(memory.trend, approach, removal)
+        memory.trend = trend
+        memory.ahead = ZERO
+        if memory.step + 1 < memory.known and steps.is_rigid == 0:
+            now.stiffness_next = steps.plan[memory.step + 1, 1]
+            ahead = foreseen_step(trend, steps.plan[memory.step + 1, 0])
+            memory.ahead = ahead
+            lists = reached(lists, approach + wp.max(ahead, ZERO), balance.STEPS_AHEAD * wp.abs(ahead))
+        now.offset_next = memory.ahead
+        memory.stiffness_ahead = now.stiffness_next
     steps.increment[0] = now
-    steps.course[0] = c
+    steps.memory[0] = memory
     return lists
 
 
@@ -176,7 +177,7 @@ def judge_area(springs: Springs, steps: RestSteps):
     s, lists, law = judged_area(springs)
     if wp.tid() == 0:
         if s.bracket.state != LOOKS:
-            lists = expect(steps, s, lists, law.base, law.cap)
+            lists = prepare(steps, s, lists, law.base, law.cap)
         conclude_area(springs, s, lists, law)
 
 
@@ -244,36 +245,36 @@ def is_within(before: wp.vec4d, now: wp.vec4d, within: wp.array(dtype=wp.float64
 @wp.func
 def write_row(springs: Springs, steps: RestSteps, tables: Tables, thread: wp.int32):
     """Write the row of a step, and end the steps where none may follow. All threads of the slot call it."""
-    row = steps.course[0].step
+    row = steps.memory[0].step
     history = steps.history
-    ahead = total_step(tables, history, row, TOTALS)
+    ahead = total_step(tables, history, row, SUMS_AT)
     force = ahead[0] * springs.cell_area
     slope = ahead[1] * springs.cell_area
     near = -ahead[2]
     if thread == 0:
-        c = steps.course[0]
+        memory = steps.memory[0]
         enter_balance(history, row, springs, steps.increment[0].reference)
-        pressure = history[row, TOTALS + wp.static(int(WearSum.PRESSURE))]
-        contact = history[row, TOTALS + wp.static(int(WearSum.CONTACT))]
-        goes_on = c.failed == 0 and contact > ZERO and pressure < LARGEST
+        pressure = history[row, SUMS_AT + wp.static(int(WearSum.PRESSURE))]
+        contact = history[row, SUMS_AT + wp.static(int(WearSum.CONTACT))]
+        goes_on = memory.failed == 0 and contact > ZERO and pressure < LARGEST
         if steps.is_rigid == 0:
             left = wp.abs(pressure * springs.cell_area - springs.load)
-            goes_on = goes_on and left <= LEFT * springs.tolerance
+            goes_on = goes_on and left <= ALLOWED_TOLERANCES * springs.tolerance
         now = wp.vec4d()
         for end in range(4):
-            now[end] = wp.max(c.extents[end], history[row, MAXIMA + wp.static(int(WearMost.FIRST_ROW)) + end])
-        goes_on = goes_on and is_within(c.extents, now, steps.within)
-        c.extents = now
-        c.is_ahead = wp.where(c.ahead != ZERO, 1, 0)
-        c.force = force
-        c.slope = slope
-        c.near = near
-        if c.failed == 0:
-            c.mean = pressure / wp.max(contact, ONE)
-            c.step = row + 1
+            now[end] = wp.max(memory.extents[end], history[row, EXTENTS_AT + end])
+        goes_on = goes_on and is_within(memory.extents, now, steps.within)
+        memory.extents = now
+        memory.is_ahead = wp.where(memory.ahead != ZERO, 1, 0)
+        memory.force = force
+        memory.slope = slope
+        memory.near = near
+        if memory.failed == 0:
+            memory.mean = pressure / wp.max(contact, ONE)
+            memory.step = row + 1
         if not goes_on:
-            c.steps = c.step
-        steps.course[0] = c
+            memory.steps = memory.step
+        steps.memory[0] = memory
         steps.increment[0].is_ready = 0
 
 
@@ -290,5 +291,5 @@ def record(springs: Springs, steps: RestSteps, tables: Tables):
         write_row(springs, steps, tables, wp.tid())
     if wp.tid() == 0:
         steps.stepping[0] = 0
-        if steps.course[0].step < steps.course[0].steps:
+        if steps.memory[0].step < steps.memory[0].steps:
             begin_step(springs, steps)

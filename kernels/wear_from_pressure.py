@@ -43,7 +43,7 @@ def means(
     """Means of a field over the rows that pass over each, `Slide.window` of them; of one row none is made."""
 
 
-@native_code.native_pass("meet")
+@native_code.native_pass("make_gaps")
 def gaps(
     slides: wp.array(dtype=Slide),
     bodies: Bodies,
@@ -133,8 +133,8 @@ def add_mean(
     """Return the mean of a field over a window along x at every cell, added to another field."""
 
 
-@native_code.native_pass("straighten")
-def straighten(
+@native_code.native_pass("linearise")
+def linearise(
     bends: Bends,
     keeps: wp.float64,
     pressure: wp.array2d(dtype=Cells),

@@ -8,7 +8,7 @@ import warp as wp
 from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.half_space import solve as search
 from warpwear.kernels.half_space.solve import Fields
-from warpwear.kernels.native_code import native_pass, options
+from warpwear.kernels.native_code import options, pass_over
 
 wp.set_module_options(options("half_space/certificate.h"))
 
@@ -57,19 +57,12 @@ class Proof:
     searching: wp.array(dtype=wp.int32)  # whether a level is looked for, one number
 
 
-@native_pass("proof_extremes")
-def extremes(proof: Proof):
-    """Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions."""
-
-
-@native_pass("proof_carried")
-def carried(proof: Proof):
-    """Sum up what cells below levels of the bracket carry at the cap."""
-
-
-@native_pass("proof_gap")
-def excess(proof: Proof):
-    """Sum up the bound of the energy at the level that makes it least."""
+#: Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions.
+extremes = pass_over(Proof, "proof_extremes")
+#: Sum up what cells below levels of the bracket carry at the cap.
+carried = pass_over(Proof, "proof_carried")
+#: Sum up the bound of the energy at the level that makes it least.
+excess = pass_over(Proof, "proof_gap")
 
 
 @wp.kernel

@@ -9,35 +9,22 @@ import warp as wp
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
 from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve, Streaks
-from warpwear.kernels.native_code import native_pass
+from warpwear.kernels.native_code import native_pass, pass_over
 
 #: Rows of a slot of `extend` and `gather`.
 ROWS = 16
 
 
-@native_pass("moments", module=TOGETHER)
-def moments(solve: Solve):
-    """Sum up cells, gap − mean and its square of every group; find the lowest gap."""
-
-
-@native_pass("springs", module=TOGETHER)
-def springs(solve: Solve):
-    """Make the trial pressure of springs under the gap, and sum it up as `carried` does."""
-
-
-@native_pass("carried<false>", module=TOGETHER)
-def carried(solve: Solve):
-    """Sum up the trial, shifted and clipped, and the cells between the bounds."""
-
-
-@native_pass("carried<true>", module=TOGETHER)
-def take(solve: Solve):
-    """Make the trial, shifted and clipped, the pressure."""
-
-
-@native_pass("bound", module=TOGETHER)
-def bound(solve: Solve):
-    """Bring pressures down to caps that may have fallen."""
+#: Sum up cells, gap − mean and its square of every group; find the lowest gap.
+moments = pass_over(Solve, "moments", module=TOGETHER)
+#: Make the trial pressure of springs under the gap, and sum it up as `carried` does.
+springs = pass_over(Solve, "springs", module=TOGETHER)
+#: Sum up the trial, shifted and clipped, and the cells between the bounds.
+carried = pass_over(Solve, "carried<false>", module=TOGETHER)
+#: Make the trial, shifted and clipped, the pressure.
+take = pass_over(Solve, "carried<true>", module=TOGETHER)
+#: Bring pressures down to caps that may have fallen.
+bound = pass_over(Solve, "bound", module=TOGETHER)
 
 
 @native_pass("streak", module=TOGETHER)
@@ -50,69 +37,32 @@ def add_streaks(solve: Solve, streaks: Streaks):
     """Add the mean along x of what yields so to the response."""
 
 
-@native_pass("yield<false>", module=TOGETHER)
-def yield_to_pressure(solve: Solve):
-    """Add what compliances of each cell make of the pressure to its response."""
-
-
-@native_pass("yield<true>", module=TOGETHER)
-def yield_to_step(solve: Solve):
-    """Add what compliances of each cell make of the step to its response."""
-
-
-@native_pass("weigh", module=TOGETHER)
-def weigh(solve: Solve):
-    """Give each cell the share in the preconditioner that its compliance leaves it."""
-
-
-@native_pass("gradient", module=TOGETHER)
-def gradient(solve: Solve):
-    """Make the gradient of the present pressure from its response."""
-
-
-@native_pass("advance", module=TOGETHER)
-def advance(solve: Solve):
-    """Go along the step, or take the trial; sum up and bound what that leaves."""
-
-
-@native_pass("residual", module=TOGETHER)
-def residual(solve: Solve):
-    """Give the preconditioner the gradient of the free cells."""
-
-
-@native_pass("scatter", module=TOGETHER)
-def scatter(solve: Solve):
-    """Count cells between the bounds, and the ends of their lines, in some rows."""
-
-
-@native_pass("products", module=TOGETHER)
-def products(solve: Solve):
-    """Sum up products of descent, gradient, last step and its response."""
-
-
-@native_pass("direction", module=TOGETHER)
-def direction(solve: Solve):
-    """Make the trial pressure of a step, and sum it up as `carried` does."""
-
-
-@native_pass("step", module=TOGETHER)
-def step(solve: Solve):
-    """Make the feasible step to the trial; sum up its slope and how much room it uses."""
-
-
-@native_pass("curvature", module=TOGETHER)
-def curvature(solve: Solve):
-    """Sum up step × response."""
-
-
-@native_pass("extend<false>", module=TOGETHER)
-def extend(solve: Solve):
-    """Extend the gradient of the free cells to the others, in the trial, on a CPU. A slot is `ROWS` rows."""
-
-
-@native_pass("extend<true>", module=TOGETHER)
-def gather(solve: Solve):
-    """Add to the free cells what the others give back; the transpose of `extend`, on a CPU."""
+#: Add what compliances of each cell make of the pressure to its response.
+yield_to_pressure = pass_over(Solve, "yield<false>", module=TOGETHER)
+#: Add what compliances of each cell make of the step to its response.
+yield_to_step = pass_over(Solve, "yield<true>", module=TOGETHER)
+#: Give each cell the share in the preconditioner that its compliance leaves it.
+weigh = pass_over(Solve, "weigh", module=TOGETHER)
+#: Make the gradient of the present pressure from its response.
+gradient = pass_over(Solve, "gradient", module=TOGETHER)
+#: Go along the step, or take the trial; sum up and bound what that leaves.
+advance = pass_over(Solve, "advance", module=TOGETHER)
+#: Give the preconditioner the gradient of the free cells.
+residual = pass_over(Solve, "residual", module=TOGETHER)
+#: Count cells between the bounds, and the ends of their lines, in some rows.
+scatter = pass_over(Solve, "scatter", module=TOGETHER)
+#: Sum up products of descent, gradient, last step and its response.
+products = pass_over(Solve, "products", module=TOGETHER)
+#: Make the trial pressure of a step, and sum it up as `carried` does.
+direction = pass_over(Solve, "direction", module=TOGETHER)
+#: Make the feasible step to the trial; sum up its slope and how much room it uses.
+step = pass_over(Solve, "step", module=TOGETHER)
+#: Sum up step × response.
+curvature = pass_over(Solve, "curvature", module=TOGETHER)
+#: Extend the gradient of the free cells to the others, in the trial, on a CPU. A slot is `ROWS` rows.
+extend = pass_over(Solve, "extend<false>", module=TOGETHER)
+#: Add to the free cells what the others give back; the transpose of `extend`, on a CPU.
+gather = pass_over(Solve, "extend<true>", module=TOGETHER)
 
 
 @native_pass("extend_once", module=TOGETHER)
@@ -141,26 +91,13 @@ class ContactReach:
     extents: wp.array2d(dtype=wp.float64)  # first and last row, first and last column; a column a slot
 
 
-@native_pass("take_window", module=TOGETHER)
-def take_window(transfer: Transfer):
-    """Copy what a field of the larger grid holds in a window."""
-
-
-@native_pass("give_window", module=TOGETHER)
-def give_window(transfer: Transfer):
-    """Copy a field of a window to where it lies in the larger grid."""
-
-
-@native_pass("restrict_cells", module=TOGETHER)
-def restrict(transfer: Transfer):
-    """Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none."""
-
-
-@native_pass("prolong_cells", module=TOGETHER)
-def prolong(transfer: Transfer):
-    """Give each cell the value of the wide cell that it lies in."""
-
-
-@native_pass("extents", module=TOGETHER)
-def extents(reach: ContactReach):
-    """Find the extents of the cells that a contact reaches; the first ones negated."""
+#: Copy what a field of the larger grid holds in a window.
+take_window = pass_over(Transfer, "take_window", module=TOGETHER)
+#: Copy a field of a window to where it lies in the larger grid.
+give_window = pass_over(Transfer, "give_window", module=TOGETHER)
+#: Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none.
+restrict = pass_over(Transfer, "restrict_cells", module=TOGETHER)
+#: Give each cell the value of the wide cell that it lies in.
+prolong = pass_over(Transfer, "prolong_cells", module=TOGETHER)
+#: Find the extents of the cells that a contact reaches; the first ones negated.
+extents = pass_over(ContactReach, "extents", module=TOGETHER)

@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.half_space.solve import CONVERGED, LED_NOWHERE, RUNS
-from warpwear.kernels.native_code import Lines, lane, lines_of_table, native_pass, options
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, options, pass_over
 
 wp.set_module_options(options("half_space/shear.h"))
 
@@ -89,49 +89,24 @@ class Shear:
     flags: wp.array(dtype=wp.int32)  # by `ShearFlag`
 
 
-@native_pass("shear_starts")
-def starts(shear: Shear):
-    """Take the displacement by the last traction as the start, and the bound along axis 0 as the traction."""
-
-
-@native_pass("shear_scale")
-def scale(shear: Shear):
-    """Sum up the bound, find the largest response to it, and begin with no traction."""
-
-
-@native_pass("shear_levels")
-def levels(shear: Shear):
-    """Sum up how far cells inside their circles have been displaced, and all in contact."""
-
-
-@native_pass("shear_slips")
-def slips(shear: Shear):
-    """Make ties and gradient of the slip; find by how much it breaches the conditions."""
-
-
-@native_pass("shear_descends")
-def descends(shear: Shear):
-    """Make the descent, and sum up its products."""
-
-
-@native_pass("shear_aims")
-def aims(shear: Shear):
-    """Make the way of a step."""
-
-
-@native_pass("shear_curves")
-def curves(shear: Shear):
-    """Sum up the curvature along the way."""
-
-
-@native_pass("shear_moves<true>")
-def goes(shear: Shear):
-    """Go along the way, each cell within its circle."""
-
-
-@native_pass("shear_moves<false>")
-def shifts(shear: Shear):
-    """Shift the trial, each cell within its circle."""
+#: Take the displacement by the last traction as the start, and the bound along axis 0 as the traction.
+starts = pass_over(Shear, "shear_starts")
+#: Sum up the bound, find the largest response to it, and begin with no traction.
+scale = pass_over(Shear, "shear_scale")
+#: Sum up how far cells inside their circles have been displaced, and all in contact.
+levels = pass_over(Shear, "shear_levels")
+#: Make ties and gradient of the slip; find by how much it breaches the conditions.
+slips = pass_over(Shear, "shear_slips")
+#: Make the descent, and sum up its products.
+descends = pass_over(Shear, "shear_descends")
+#: Make the way of a step.
+aims = pass_over(Shear, "shear_aims")
+#: Sum up the curvature along the way.
+curves = pass_over(Shear, "shear_curves")
+#: Go along the way, each cell within its circle.
+goes = pass_over(Shear, "shear_moves<true>")
+#: Shift the trial, each cell within its circle.
+shifts = pass_over(Shear, "shear_moves<false>")
 
 
 @wp.func

@@ -21,18 +21,6 @@ WARPWEAR_FN int team_of_slot() { return lane_of_slot() / TEAM; }
 WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
 WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
 
-// Bring what the threads of a team have to one number, in the first of them.
-WARPWEAR_FN double reduce_team(double value, bool adds)
-{
-#if defined(__CUDA_ARCH__)
-    for (int apart = TEAM / 2; apart > 0; apart /= 2) {
-        const double other = __shfl_down_sync(0xffffffff, value, apart);
-        value = adds ? value + other : (value > other ? value : other);
-    }
-#endif
-    return value;
-}
-
 // Some cells of a row, as a thread visits them.
 struct Span {
     int first, end, stride;
@@ -55,9 +43,6 @@ WARPWEAR_FN Lanes columns_from(int first)
     return lane + double(first);
 #endif
 }
-
-WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
-WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
 
 // The mean of a field at a cell over `window` rows around its own; of an even number the row at either end
 // counts half. At the first and the last row the field is mirrored, so that its sum is kept there too. Over

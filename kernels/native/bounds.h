@@ -17,7 +17,7 @@ WARPWEAR_FN double bound_tiles(const Field& field, int row, double sign, const N
         Lanes here = -ABSENT;
         for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM)
             here = larger_of(here, sign * (Lanes)values[i]);
-        const double of_tile = reduce_team(most(here), false);
+        const double of_tile = reduce_warp(most(here), false);
         of_all = wp::max(of_all, of_tile);
         if (lane_of_team() == 0) numbers[t] = sign * of_tile;
     }

@@ -38,7 +38,7 @@ WARPWEAR_FN void yields_of_slips(int slot, int slots, const Slides& slides, cons
 {
     const auto& slide = wp::index(slides, 0);
     const Lanes by = slide.removal.slipping_counter + slide.removal.slipping_disc,
-                ahead = slide.removal.ahead;
+                ahead = slide.removal.growth_ahead;
     for (int row = slot; row < yields.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < yields.shape[1] * OF_VECTOR; i += width_of_slot())
             row_of(yields, row)[i] = by * slip_ahead(row_of(slips, row)[i], row_of(grown, row)[i], ahead);

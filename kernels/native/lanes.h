@@ -105,12 +105,38 @@ WARPWEAR_FN bool lane_of(Mask mask, int) { return mask; }
 WARPWEAR_FN bool lane_of(Mask mask, int lane) { return mask[lane]; }
 #endif
 
+WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
+WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
+
+// 1 of cells for which a mask holds, to be added up.
+WARPWEAR_FN Counts one_if(Mask where)
+{
+    const Counts no = 0, yes = 1;
+    return where ? yes : no;
+}
+
 // A row of a field as cells; of a field of one row that row serves all.
 template <typename Field> WARPWEAR_FN Stored* row_of(const Field& field, int row)
 { return (Stored*)&wp::index(field, row < field.shape[0] ? row : field.shape[0] - 1, 0); }
 
+// A row of a field, or none of a field without rows.
+template <typename Field> WARPWEAR_FN Stored* row_or_none(const Field& field, int row)
+{ return field.shape[0] > 0 ? row_of(field, row) : nullptr; }
+
 template <typename Field> WARPWEAR_FN StoredSingle* single_row_of(const Field& field, int row)
 { return (StoredSingle*)&wp::index(field, row < field.shape[0] ? row : field.shape[0] - 1, 0); }
+
+// Bring what the threads of a warp have to one number, in the first of them.
+WARPWEAR_FN double reduce_warp(double value, bool adds)
+{
+#if defined(__CUDA_ARCH__)
+    for (int apart = 16; apart > 0; apart /= 2) {
+        const double other = __shfl_down_sync(0xffffffff, value, apart);
+        value = adds ? value + other : (value > other ? value : other);
+    }
+#endif
+    return value;
+}
 
 // Bring what the threads of a slot have to one number.
 WARPWEAR_FN double reduce_slot(double value, bool adds)
@@ -118,10 +144,7 @@ WARPWEAR_FN double reduce_slot(double value, bool adds)
 #if defined(__CUDA_ARCH__)
     __shared__ double of_warps[32];
     const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = (blockDim.x + 31) / 32;
-    for (int apart = 16; apart > 0; apart /= 2) {
-        const double other = __shfl_down_sync(0xffffffff, value, apart);
-        value = adds ? value + other : (value > other ? value : other);
-    }
+    value = reduce_warp(value, adds);
     __syncthreads(); // others may still read what was there
     if (lane == 0) of_warps[warp] = value;
     __syncthreads();
@@ -223,22 +246,23 @@ template <typename Line> struct Sums {
     }
 };
 
+// What the slot leaves in its column of a table of maxima, from the first line on.
+template <int N, typename Table>
+WARPWEAR_FN void list_largest(Partial* partials, Table& table, int slot, const double (&largest)[N])
+{
+#pragma unroll
+    for (int n = 0; n < N; ++n) partials[n] = {largest[n], &wp::index(table, n, slot), false};
+}
+
 template <int N> WARPWEAR_FN void store_partials(const Partial (&partials)[N])
 {
 #if defined(__CUDA_ARCH__)
     // All at once: each warp brings every value to one, then has some of the values of all warps.
     __shared__ double of_warps[N][32];
     const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
-    const auto of_warp = [](double v, bool adds) {
-        for (int apart = 16; apart > 0; apart /= 2) {
-            const double other = __shfl_down_sync(0xffffffff, v, apart);
-            v = adds ? v + other : (v > other ? v : other);
-        }
-        return v;
-    };
 #pragma unroll
     for (int n = 0; n < N; ++n) {
-        const double v = of_warp(partials[n].value, partials[n].adds);
+        const double v = reduce_warp(partials[n].value, partials[n].adds);
         if (lane == 0) of_warps[n][warp] = v;
     }
     __syncthreads();
@@ -246,7 +270,7 @@ template <int N> WARPWEAR_FN void store_partials(const Partial (&partials)[N])
     for (int n = 0; n < N; ++n) {
         if (n % warps != warp) continue;
         const double nothing = partials[n].adds ? 0.0 : -NO_LIMIT;
-        const double v = of_warp(lane < warps ? of_warps[n][lane] : nothing, partials[n].adds);
+        const double v = reduce_warp(lane < warps ? of_warps[n][lane] : nothing, partials[n].adds);
         if (lane == 0) *partials[n].place = v;
     }
 #else
@@ -275,11 +299,7 @@ WARPWEAR_FN double total_of_line(const Table& table, int line, int columns, bool
         const double other = wp::index(table, line, i);
         v = adds ? v + other : (v > other ? v : other);
     }
-    for (int apart = 16; apart > 0; apart /= 2) {
-        const double other = __shfl_down_sync(0xffffffff, v, apart);
-        v = adds ? v + other : (v > other ? v : other);
-    }
-    return v;
+    return reduce_warp(v, adds);
 #else
     return adds ? sum_in_pairs(&wp::index(table, line, 0), columns) : most_of_line(table, line, 0, columns);
 #endif

@@ -15,10 +15,6 @@ template <typename Real> WARPWEAR_FN Real removal_of(double k, Real p)
     return k * p;
 }
 
-// A row of a field, or none of a field without rows: its cells are alike.
-template <typename Field> WARPWEAR_FN const Stored* row_or_none(const Field& field, int row)
-{ return field.shape[0] > 0 ? row_of(field, row) : nullptr; }
-
 // What a cell has of its own, or what all have.
 WARPWEAR_FN Lanes own_or(const Stored* own, int i, Lanes alike) { return own ? (Lanes)own[i] : alike; }
 

@@ -39,7 +39,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
     const double limit = wp::index(lists, 0).limit + shear_depth;
     const int shift = step.shift, vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (vectors_per_row + OF_TILE - 1) / OF_TILE;
-    const bool stays = bounds.stays == 1;
+    const bool keeps_gap = bounds.keeps_gap == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const counter = row_of(bodies.counter, row), *const disc = row_of(bodies.disc, under);
@@ -51,7 +51,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
             const Span span = span_of_tile(t, vectors_per_row);
             if (MAKES) make_cells(step, sources, cells, row, under, span);
             const Lanes apart = gap_of_tile(span, counter, disc, gap, shear_ratio, step);
-            const double low = -reduce_team(most(-apart), false);
+            const double low = -reduce_warp(most(-apart), false);
             if (lane_of_team() == 0) ((double*)tile_bounds)[t] = low;
             return low;
         };
@@ -64,7 +64,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
         for (int first = 0; first < tiles; first += blockDim.x) {
             for (int n = warp; n < blockDim.x && first + n < tiles; n += warps) {
                 const int t = first + n;
-                const double low = stays ? tile_bounds[t] : 0.0;
+                const double low = keeps_gap ? tile_bounds[t] : 0.0;
                 bool here = (low != 0.0 ? low : lowest[t] - highest[t]) <= limit;
                 __syncwarp(); // before the first thread of the warp notes another
                 if (here && low == 0.0) here = lowest_gap(t) <= limit;
@@ -87,7 +87,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
         const Lanes zero = 0.0;
         for (int m = 0; m < bounds.lowest.shape[1]; ++m) {
             if (wp::index(bounds.lowest_of_eight, row, m) - highest_here > limit) continue;
-            const Lanes low = stays ? (Lanes)tile_bounds[m] : zero;
+            const Lanes low = keeps_gap ? (Lanes)tile_bounds[m] : zero;
             const Lanes bound = low != zero ? low : lowest[m] - highest[m];
             if (!any(bound <= limit)) continue;
             const int end = tiles - m * LANES < LANES ? tiles - m * LANES : LANES;
@@ -110,14 +110,10 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
                               const Bounds& bounds, const Sources& sources, const Properties& cells,
                               const Bodies& bodies, const List& list, const Count& counts)
 {
-    const auto by = [&](auto made) {
+    told(makes(sources, cells) && bounds.keeps_gap == 0, [&](auto made) {
         select_by<decltype(made)::value>(slot, slots, lists, slides, bounds, sources, cells, bodies, list,
                                          counts);
-    };
-    if (makes(sources, cells) && bounds.stays == 0)
-        by(Is<true>());
-    else
-        by(Is<false>());
+    });
 }
 
 // Tiles that are listed in all. Every thread of a deciding slot gets the number.
@@ -198,14 +194,13 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     const auto wear = step.removal; // a loop over cells need not read it again
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
-    const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
+    const double tie_pressure = law.tie_pressure, yield_depth = step.yield_depth, reference = step.reference;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool presses = RARE && full_depth < NO_LIMIT, is_known = tile_bounds.gap.shape[0] > 0;
+    const bool presses = RARE && yield_depth < NO_LIMIT, is_known = tile_bounds.gap.shape[0] > 0;
     const double shear_depth = step.removal.shear_counter + step.removal.shear_disc;
     const bool sheared = RARE && shear_depth > 0.0;
     const int vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_depth = NEARLY_NONE;
-    const Counts no = 0, yes = 1;
     Sums<TrackSum> sums;
     Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0;
     double first_column = NO_INDEX, last_column = NO_INDEX;
@@ -240,7 +235,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 p = size_of(overlap) > tie_width ? p : tie_pressure * cap_ratio;
                 Lanes d = disc[i];
                 if (presses) {
-                    const Lanes beyond = larger_of(overlap - full_depth * cap_ratio, zero);
+                    const Lanes beyond = larger_of(overlap - yield_depth * cap_ratio, zero);
                     d -= beyond;
                     const Lanes x = plastic[i] + beyond;
                     plastic[i] = x;
@@ -273,8 +268,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
                 sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
-                sums.counted(TrackSum::CONTACT) += p > zero ? yes : no;
-                sums.counted(TrackSum::CAPPED) += p >= cap_here ? yes : no;
+                sums.counted(TrackSum::CONTACT) += one_if(p > zero);
+                sums.counted(TrackSum::CAPPED) += one_if(p >= cap_here);
                 if (RARE) sums.of(TrackSum::BARE) += p > zero ? own_or(own.material, i, zero) : zero;
                 low = smaller_of(low, s);
                 high = larger_of(high, d);
@@ -284,7 +279,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 deepest_counter = larger_of(deepest_counter, a);
                 deepest_disc = larger_of(deepest_disc, b);
                 const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
-                touched += ever > zero ? yes : no;
+                touched += one_if(ever > zero);
                 if (keeps_reached) reached[i] = ever;
                 was_touched[(i - first) / TEAM] = ever;
             }
@@ -293,11 +288,11 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 first_column = wp::max(first_column, most(ever > zero ? -column : none));
                 last_column = wp::max(last_column, most(ever > zero ? column : none));
             }
-            const double lowest = -reduce_team(most(-low), false), largest = reduce_team(most(high), false);
-            const double smallest = is_known ? -reduce_team(most(-apart), false) : 0.0;
-            const double of_tile[] = {reduce_team(total(worn_counter), true),
-                                      reduce_team(total(worn_disc), true), reduce_team(count(touched), true),
-                                      reduce_team(total(pressed), true)};
+            const double lowest = -reduce_warp(most(-low), false), largest = reduce_warp(most(high), false);
+            const double smallest = is_known ? -reduce_warp(most(-apart), false) : 0.0;
+            const double of_tile[] = {reduce_warp(total(worn_counter), true),
+                                      reduce_warp(total(worn_disc), true), reduce_warp(count(touched), true),
+                                      reduce_warp(total(pressed), true)};
             if (lane_of_team() != 0) continue;
             wp::index(tile_bounds.lowest, row, t) = lowest;
             wp::index(tile_bounds.highest, under, t) = largest;
@@ -321,9 +316,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     const int more = sizeof(largest) / sizeof(double);
     Partial partials[lines + more];
     sums.list<lines>(partials, tables.sums, slot);
-#pragma unroll
-    for (int n = 0; n < more; ++n)
-        partials[lines + n] = {largest[n], &wp::index(tables.maxima, n, slot), false};
+    list_largest(partials + lines, tables.maxima, slot, largest);
     store_partials(partials);
 }
 
@@ -341,13 +334,12 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const Lanes alike = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
-    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.removal.shear_counter > 0.0 ||
+    const bool rare = keeps_reached || step.yield_depth < NO_LIMIT || step.removal.shear_counter > 0.0 ||
                       step.removal.shear_disc > 0.0 || cells.material.shape[0] > 0 ||
                       cells.k_counter.shape[0] > 0 || cells.stiffness.shape[0] > 0 ||
                       cells.cap_ratio.shape[0] > 0;
     const bool own = cells.k_disc.shape[0] > 0;
     if (springs.bends.knots.shape[0] > 0) return by(Is<true>(), Is<true>(), bend_of(springs.bends));
-    if (rare) by(Is<true>(), Is<true>(), alike);
-    if (!rare && own) by(Is<true>(), Is<false>(), alike);
-    if (!rare && !own) by(Is<false>(), Is<false>(), alike);
+    if (rare) return by(Is<true>(), Is<true>(), alike);
+    told(own, [&](auto one_each) { by(one_each, Is<false>(), alike); });
 }

@@ -87,6 +87,10 @@ template <bool IS> struct Is {
     static const bool value = IS;
 };
 
+// Do something told by a type whether a condition holds.
+template <typename Do> WARPWEAR_FN void told(bool is, const Do& act)
+{ is ? act(Is<true>()) : act(Is<false>()); }
+
 // The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
 template <typename List, typename Count, typename Springs, typename Field>
 WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, Springs& springs,
@@ -101,12 +105,10 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
     const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
     const bool own_caps = cap_ratio.shape[0] > 0;
     const Lanes alike = search.stiffness;
-    if (bends && !own_caps) return by(Is<false>(), Is<false>(), bend_of(springs.bends));
-    if (bends) return by(Is<false>(), Is<true>(), bend_of(springs.bends));
-    if (!own && !own_caps) by(Is<false>(), Is<false>(), alike);
-    if (own && !own_caps) by(Is<true>(), Is<false>(), alike);
-    if (!own && own_caps) by(Is<false>(), Is<true>(), alike);
-    if (own && own_caps) by(Is<true>(), Is<true>(), alike);
+    told(own_caps, [&](auto caps) {
+        if (bends) return by(Is<false>(), caps, bend_of(springs.bends));
+        told(own, [&](auto one_each) { by(one_each, caps, alike); });
+    });
 }
 
 // Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,
@@ -131,7 +133,6 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
     const double level = search.bracket.offset, from = search.bracket.low, to = inside_up_to(springs);
     const int vectors_per_row = gap_in.shape[1] * OF_VECTOR, room = springs.near.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, absent = ABSENT, none = -ABSENT;
-    const Counts no = 0, yes = 1;
     const bool own_caps = cap_ratio_in.shape[0] > 0, gathers = springs.near.shape[0] > 0;
     Stored* const near = gathers ? row_of(springs.near, slot) : nullptr;
 #if defined(__CUDA_ARCH__)
@@ -158,7 +159,7 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
                     highest = highest > there ? highest : there;
                     if (!gathers) continue;
                     const Mask is_inside = (g >= from) & (g < to);
-                    inside += is_inside ? yes : no;
+                    inside += one_if(is_inside);
 #if defined(__CUDA_ARCH__)
                     if (!is_inside) continue;
                     const int place = atomicAdd(&places, 1); // in any order: they are only counted
@@ -203,7 +204,6 @@ template <typename Springs> WARPWEAR_FN bool are_gathered(const Springs& springs
 // The gathered cells below a level, likewise.
 template <typename Springs> WARPWEAR_FN double count_gathered(const Springs& springs, double level)
 {
-    const Counts no = 0, yes = 1;
     Counts below = 0;
 #if defined(__CUDA_ARCH__)
     const int slots = springs.near.shape[0];
@@ -213,7 +213,7 @@ template <typename Springs> WARPWEAR_FN double count_gathered(const Springs& spr
     for (int slot = lane_of_slot(); slot < slots; slot += width_of_slot()) {
         const Stored* const near = row_of(springs.near, slot);
         const int places = int(wp::index(springs.trial, 4, slot));
-        for (int i = 0; i < places; ++i) below += near[i] < level ? yes : no;
+        for (int i = 0; i < places; ++i) below += one_if(near[i] < level);
     }
     return reduce_slot(count(below), true);
 }

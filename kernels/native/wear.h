@@ -26,7 +26,6 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spri
 #pragma clang fp contract(fast)
 #endif
     const Lanes zero = 0.0;
-    const Counts no = 0, yes = 1;
     Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), spring), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
     const Lanes wearing = wearing_pressure(spring, p).counter;
@@ -36,11 +35,11 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spri
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;
     sums.of(WearSum::DEVIATION_SQUARED) += d * d;
-    sums.counted(WearSum::CONTACT) += p > zero ? yes : no;
-    sums.counted(WearSum::CAPPED) += p >= cap ? yes : no;
+    sums.counted(WearSum::CONTACT) += one_if(p > zero);
+    sums.counted(WearSum::CAPPED) += one_if(p >= cap);
 
     const Lanes w = g - unworn;
-    touches = p > zero || w > zero ? yes : no;
+    touches = one_if(p > zero || w > zero);
     sums.counted(WearSum::TOUCHED) += touches;
     sums.of(WearSum::WORN) += w;
     sums.deepest = sums.deepest > w ? sums.deepest : w;
@@ -71,29 +70,18 @@ WARPWEAR_FN void store_wear(Tables& tables, int slot, const WearSums& sums, cons
                             double stiffness_next, double rest_touched, double rest_worn, double beside)
 {
     const double nearest = -most(-sums.nearest_next), slope = stiffness_next * total(sums.between_next);
-    const auto largest = [&](WearMost line, double v) {
-        return Partial{v, &wp::index(tables.maxima, int(line), slot), false};
-    };
-    const auto ahead = [&](int line, double v, bool adds) {
-        return Partial{v, &wp::index(tables.ahead, line, slot), adds};
-    };
-    const Partial others[] = {largest(WearMost::PRESSURE, most(sums.highest)),
-                              largest(WearMost::WORN, most(sums.deepest)),
-                              largest(WearMost::FIRST_ROW, extents.first_row),
-                              largest(WearMost::LAST_ROW, extents.last_row),
-                              largest(WearMost::FIRST_COLUMN, extents.first_column),
-                              largest(WearMost::LAST_COLUMN, extents.last_column),
-                              ahead(0, total(sums.pressure_next), true),
-                              ahead(1, slope, true),
-                              ahead(2, nearest < beside ? -nearest : -beside, false)};
+    const double largest[] = {most(sums.highest), most(sums.deepest),   extents.first_row,
+                              extents.last_row,   extents.first_column, extents.last_column};
     const int lines = is_straight<Spring> ? int(WearSum::WEARING) : WearSums::LINES;
-    const int more = sizeof(others) / sizeof(Partial);
-    Partial partials[lines + more];
+    const int more = sizeof(largest) / sizeof(double), ahead = lines + more;
+    Partial partials[ahead + 3];
     sums.list<lines>(partials, tables.sums, slot);
+    list_largest(partials + lines, tables.maxima, slot, largest);
     partials[int(WearSum::TOUCHED)].value += rest_touched;
     partials[int(WearSum::WORN)].value += rest_worn;
-#pragma unroll
-    for (int n = 0; n < more; ++n) partials[lines + n] = others[n];
+    partials[ahead] = {total(sums.pressure_next), &wp::index(tables.ahead, 0, slot), true};
+    partials[ahead + 1] = {slope, &wp::index(tables.ahead, 1, slot), true};
+    partials[ahead + 2] = {nearest < beside ? -nearest : -beside, &wp::index(tables.ahead, 2, slot), false};
     store_partials(partials);
 }
 

@@ -8,8 +8,9 @@
 // counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
 // counter-body it is the mean of the disc's wear. What cells have of their own is made with it.
 template <typename Slides, typename Bodies, typename Sources, typename Properties, typename Field>
-WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Sources& sources,
-                      const Properties& cells, const Field& means, const Field& gaps)
+WARPWEAR_FN void make_gaps(int slot, int slots, const Slides& slides, const Bodies& bodies,
+                           const Sources& sources, const Properties& cells, const Field& means,
+                           const Field& gaps)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
@@ -85,10 +86,9 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
     const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
-    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.ahead;
+    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.growth_ahead;
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
-    const Counts no = 0, yes = 1;
     Sums<PressureSum> summed;
     Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
     double first_row = NO_INDEX, last_row = NO_INDEX;
@@ -139,7 +139,7 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
                     a += more_counter * by_slip;
                     summed.of(PressureSum::SLIP_WORK) += by_slip;
                     const Mask sticks = (p > zero) & (slides_by <= zero);
-                    summed.counted(PressureSum::STUCK) += sticks ? yes : no;
+                    summed.counted(PressureSum::STUCK) += one_if(sticks);
                     const Lanes grows = slip_of_gap * (more_counter + more_disc) * by_slip;
                     slip[i] = slip[i] + grows;
                     grown[i] = grows;
@@ -149,8 +149,8 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
                 summed.of(PressureSum::PRESSURE) += p;
                 const Lanes away = p > zero ? p - reference : zero;
                 summed.of(PressureSum::DEVIATION_SQUARED) += away * away;
-                summed.counted(PressureSum::CONTACT) += p > zero ? yes : no;
-                summed.counted(PressureSum::CAPPED) += p >= most_here ? yes : no;
+                summed.counted(PressureSum::CONTACT) += one_if(p > zero);
+                summed.counted(PressureSum::CAPPED) += one_if(p >= most_here);
                 summed.of(PressureSum::WEAR_COUNTER) += a;
                 if (OWN && own.material)
                     summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
@@ -159,7 +159,7 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
                 if (shears) summed.of(PressureSum::RUBBED) += (Lanes)sheared_here[i];
                 const Mask ever = m + was + wear.shear_counter * sheared.counter > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
-                summed.counted(PressureSum::TOUCHED) += ever ? yes : no;
+                summed.counted(PressureSum::TOUCHED) += one_if(ever);
                 in_line = in_line | ever;
                 first = larger_of(first, ever ? -column : none);
                 last = larger_of(last, ever ? column : none);
@@ -243,9 +243,9 @@ WARPWEAR_FN void add_mean(int slot, int slots, int window, const Field& field, c
 // less steep than `keeps` of the line before. Partial is the
 // most by which the line before was off.
 template <typename Bends, typename Field, typename Table>
-WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
-                            const Field& last, const Field& far, const Field& gap, const Field& gap_out,
-                            const Field& yields, Table& off)
+WARPWEAR_FN void linearise(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
+                           const Field& last, const Field& far, const Field& gap, const Field& gap_out,
+                           const Field& yields, Table& off)
 {
     const Bend bend = bend_of(bends);
     const double counter = bends.step.data[1], disc = bends.step.data[2];

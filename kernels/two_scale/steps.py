@@ -24,7 +24,7 @@ QUARTER = wp.constant(wp.float64(math.pi / 4.0))
 
 
 @wp.struct
-class Now:
+class CurrentStep:
     """Holds the step that is being computed."""
 
     removal: wp.float64  # K ΔL of both bodies [mm³/N]
@@ -64,7 +64,7 @@ class Steps:
     #: Of a step: compliance of cells that is not wear, and 1 where wear lends one.
     bends: Bends
     plan: wp.array2d(dtype=wp.float64)  # a row a step: K ΔL of both bodies, 1/c of the cells, 1/K_N
-    now: wp.array(dtype=Now)  # one
+    now: wp.array(dtype=CurrentStep)  # one
     memory: wp.array(dtype=Memory)  # one
     search: wp.array(dtype=SharingSearch)  # one
     flags: Flags
@@ -95,7 +95,7 @@ class Books:
 
 
 @wp.func
-def guess_of(trend: Trend, now: Now):
+def guess_of(trend: Trend, now: CurrentStep):
     """Return how far the solution is expected from where a search begins [mm]."""
     guess = now.removal * now.mean
     if trend.rates > 0:
@@ -104,14 +104,14 @@ def guess_of(trend: Trend, now: Now):
 
 
 @wp.func
-def first_guess(steps: Steps, now: Now):
+def first_guess(steps: Steps, now: CurrentStep):
     """Return the first step of a search from the lowest cell [mm]."""
     pressure = wp.min(steps.load.hardness, steps.load.load / steps.cell_area)
     return HALF * pressure / now.stiffness
 
 
 @wp.func
-def begun(steps: Steps):
+def next_step(steps: Steps):
     """Return the next step of the plan."""
     now = steps.now[0]
     now.removal = steps.plan[now.number, REMOVAL]
@@ -124,7 +124,7 @@ def begun(steps: Steps):
 
 
 @wp.func
-def flexibility_of(steps: Steps, now: Now):
+def flexibility_of(steps: Steps, now: CurrentStep):
     """Return 1/K_N of the step [mm³/N], which may follow the contact as it grows."""
     flexibility = steps.plan[now.number, FLEXIBILITY]
     extents = now.extents
@@ -139,7 +139,7 @@ def flexibility_of(steps: Steps, now: Now):
 def begin(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
-    now = begun(steps)
+    now = next_step(steps)
     s = SharingSearch()
     s.flexibility = flexibility_of(steps, now)
     trend = m.trend

@@ -13,7 +13,7 @@ import warpwear
 from warpwear.cli.calibrate import calibrate as command
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
-from warpwear.surfaces.form import sag
+from warpwear.laws.form import sag
 from warpwear.surfaces.made.self_affine import SelfAffine
 
 TEST = ("--load", "8 N", "--distance", "2400 mm")

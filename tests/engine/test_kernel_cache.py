@@ -56,9 +56,9 @@ def test_files_that_warp_cannot_load_are_compiled_anew(
 def test_kernels_of_a_run_are_compiled_as_one_file(module: Any) -> None:
     with Executor(Grid(8, 8, 0.01)) as executor:
         assert executor.load(contact.gap) is contact.gap
-        executor.foresee([contact.gap, balance.listed], together=True)
-        gap, listed = (executor.load(kernel) for kernel in (contact.gap, balance.listed))
+        executor.foresee([contact.gap, balance.check_list], together=True)
+        gap, listed = (executor.load(kernel) for kernel in (contact.gap, balance.check_list))
         assert gap.module is listed.module
-        assert gap.module not in (contact.gap.module, balance.listed.module)
-        executor.foresee([contact.gap, balance.listed], together=True)  # by a model that is made later
+        assert gap.module not in (contact.gap.module, balance.check_list.module)
+        executor.foresee([contact.gap, balance.check_list], together=True)  # by a model that is made later
         assert executor.load(contact.gap) is gap

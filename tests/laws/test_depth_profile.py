@@ -59,7 +59,7 @@ def test_layers_by_their_closed_form() -> None:
     assert COAT.worn(np.array(0.0), np.array(1.0e7)) == pytest.approx(1.0e-3, rel=1e-14)
     assert COAT.worn(np.array(0.0), np.array(through + 1.0e6)) == pytest.approx(2.5e-3 + 2.0e-3, rel=1e-12)
     assert COAT.exposure(np.array(4.5e-3)) == pytest.approx(through + 1.0e6, rel=1e-14)
-    assert COAT.parts(np.array([1.0e-3, 2.2e-3, 9.0e-3])) == pytest.approx(
+    assert COAT.lost_of_each(np.array([1.0e-3, 2.2e-3, 9.0e-3])) == pytest.approx(
         np.array([[1.0e-3, 2.0e-3, 2.0e-3], [0.0, 0.2e-3, 0.5e-3], [0.0, 0.0, 6.5e-3]]), rel=1e-12
     )
 

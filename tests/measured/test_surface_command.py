@@ -15,8 +15,8 @@ from warpwear.errors import InputError
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
+from warpwear.laws.form import sag
 from warpwear.measured.surface import read_surface
-from warpwear.surfaces.form import sag
 from warpwear.surfaces.made.self_affine import SelfAffine
 
 ROOT = Path(__file__).parents[2]

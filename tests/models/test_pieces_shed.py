@@ -16,13 +16,13 @@ from warpwear.kernels.sliding import Slide
 from warpwear.kernels.sliding_steps import SlidingSteps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import WearLaw
+from warpwear.laws.form import Ball
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.models.features import particles
 from warpwear.models.features.feature import Place, Site
 from warpwear.models.features.particles import OF_BODY, SlidingParticles
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.surfaces.form import Ball
 
 CELL = 0.005
 

@@ -32,7 +32,7 @@ from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.point_cloud import _axis
 from warpwear.surfaces.roughness import bearing_parameters
-from warpwear.surfaces.form import sag
+from warpwear.laws.form import sag
 from warpwear.surfaces.sphere import fit_sphere
 x = (np.arange(400) - 199.5) * 2e-3
 rough = SelfAffine(ra=0.003, cut_off=0.016).heights(x, x)

@@ -10,10 +10,10 @@ from warpwear.cli.surface import describe
 from warpwear.errors import InputError
 from warpwear.figures.paint import paint
 from warpwear.figures.paint_map import paint_map
+from warpwear.laws.form import sag
 from warpwear.measured.surface_figure import _map_of_heights, patch_figure, track_figure
 from warpwear.measured.surface_report import examine
 from warpwear.surfaces.filling import completed
-from warpwear.surfaces.form import sag
 from warpwear.surfaces.levelling import areal_low_pass, without_polynomial
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import Measured, read_measured

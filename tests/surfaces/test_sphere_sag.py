@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.surfaces.form import sag
+from warpwear.laws.form import sag
 
 
 def test_is_the_closed_form_where_that_is_well_conditioned():

@@ -12,7 +12,7 @@ from warpwear import Result, Study, run, solve_contact
 from warpwear.errors import InputError, InvariantError
 from warpwear.figures.of_run.data import smooth_shares
 from warpwear.laws.elastic import Hertz
-from warpwear.surfaces.form import sag
+from warpwear.laws.form import sag
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.preparation import Preparation
 

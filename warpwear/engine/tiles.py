@@ -118,7 +118,7 @@ class Tiles(TileList):
         )
         with program.loop(self.listing):
             program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
-            program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
+            program.decide(balance.check_list, self.lists.array, self.listing, tiles, self._least)
 
     def below_bounds(self) -> float:
         """Return by how much a gap lies below the lowest of its tile, at most [mm]."""

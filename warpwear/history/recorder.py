@@ -22,9 +22,9 @@ RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_vol
 #: Columns of the history, by name.
 COLUMNS = {column.name: column for column in per("step")}
 #: Columns that count a part of the stroke's disc for the whole, summed over the disc as it is.
-OF_THE_DISC = tuple(column.name for column in per("step") if column.frame == "disc")
+DISC_COLUMNS = tuple(column.name for column in per("step") if column.frame == "disc")
 #: First and last of what was touched, along and across; first ones are negated.
-PAIRS = (EXTENTS[:2], EXTENTS[2:])
+EXTENT_PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.
 Number = Any
 
@@ -55,7 +55,7 @@ class Entry(NamedTuple):
     most: Mapping[str, Number]
 
 
-def divided(sums: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
+def split_wear(sums: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
     """Split sums or maxima of what both bodies lose into those of counter and disc, exact for small ones."""
     (counter, disc), worn = fractions, sums["worn"]
     return {**sums, "wear_counter": counter * worn, "wear_disc": disc * worn}
@@ -101,21 +101,21 @@ class Ledger:
         #: other circles.
         self.before: dict[str, float] = {}
 
-    def rebase(self, track_fraction: float) -> None:
+    def switch_stroke(self, track_fraction: float) -> None:
         """Go on with the volumes of a disc that stood for another stroke, as a part of it, before."""
         ratio = track_fraction / self._track_fraction
-        for name in OF_THE_DISC if ratio != 1.0 else ():
+        for name in DISC_COLUMNS if ratio != 1.0 else ():
             total, before = self.row.get(name, 0.0), self.before.get(name, 0.0)
             self.before[name] = total - (total - before) * ratio
 
-    def leave(self, own: Mapping[str, float]) -> dict[str, float]:
+    def switch_circle(self, own: Mapping[str, float]) -> dict[str, float]:
         """Go on with another circle of the disc; return what is booked of the one that is left.
 
         own: what is booked of the other by now, volumes and the deepest wear; nothing where it is unworn.
         """
-        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in OF_THE_DISC}
+        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in DISC_COLUMNS}
         left["deepest"], self.most["wear_disc"] = self.most["wear_disc"], own.get("deepest", 0.0)
-        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in OF_THE_DISC}
+        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in DISC_COLUMNS}
         return left
 
     def restored(self) -> None:
@@ -151,7 +151,7 @@ class Ledger:
         for name in self.running:
             row[name] += self.row[name]
         self.row = row.copy()
-        at_edge, at_rim = map(bool, self._flags(self.most))
+        at_edge, at_rim = map(bool, self._reaches(self.most))
         return Step(row, at_edge, at_rim, pressure)
 
     def enter_all(self, *entry: Any) -> Iterator[Step]:
@@ -167,7 +167,7 @@ class Ledger:
             row[name] = np.add.accumulate([self.row[name], *np.broadcast_to(row[name], count)])[1:]
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
         self.row = dict(zip(row, table[-1].tolist(), strict=True))
-        at_edge, at_rim = (reaches.tolist() for reaches in self._flags(grown))
+        at_edge, at_rim = (reaches.tolist() for reaches in self._reaches(grown))
         self.most = {name: float(values[-1]) for name, values in grown.items()}
         # One by one: many at a time would be looked through for garbage.
         rows = (dict(zip(row, values, strict=True)) for values in table.tolist())
@@ -177,7 +177,7 @@ class Ledger:
         """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""
         balance, increment, removal, reference, total, _ = entry
         area, load = self._weight * self._grid.cell_area, self._task.load
-        along, across = ((most[last] + most[first] + 1.0) * self._grid.cell for first, last in PAIRS)
+        along, across = ((most[last] + most[first] + 1.0) * self._grid.cell for first, last in EXTENT_PAIRS)
         count = total["contact"]
         mean = total["pressure"] / count
         apart = mean - reference  # squared by Python for many as for one: NumPy rounds squares differently
@@ -219,13 +219,13 @@ class Ledger:
         if "bare" in total:
             row["bare_fraction"] = total["bare"] / count
         if self._task.profiles is not None:
-            row |= self._of_materials(total, row)
+            row |= self._material_columns(total, row)
         if self._task.shears_unalike:
             books, of_surfaces = total.get("materials"), self._task.surface_shear or math.nan
             row["area_sheared"] = area * books["shear_ratios"] if books else row["area_contact"] * of_surfaces
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
 
-    def _of_materials(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:
+    def _material_columns(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:
         """Return what each material bears and has lost; Archard's volumes are those of all of a body.
 
         Without books of a step all cells are of the uppermost materials.
@@ -256,7 +256,7 @@ class Ledger:
         """Return the extents of what leaves so many rows and columns along each edge."""
         return -rows, self._grid.nx - rows - 1, -columns, self._grid.ny - columns - 1
 
-    def _flags(self, most: Mapping[str, Number]) -> list[Number]:
+    def _reaches(self, most: Mapping[str, Number]) -> list[Number]:
         """Tell whether what was touched reaches the domain's edge, and whether the counter-body's rim."""
         pairs = [
             [most[name] > limit for name, limit in zip(EXTENTS, limits, strict=True)]

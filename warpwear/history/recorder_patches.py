@@ -9,7 +9,7 @@ import numpy as np
 from warpwear.contact.balance import Balance, checked_residual
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import PATCH_TABLES
-from warpwear.history.recorder import Ledger, Step, divided
+from warpwear.history.recorder import Ledger, Step, split_wear
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
 from warpwear.laws.patches import Patches
@@ -111,7 +111,7 @@ class PatchLedger(Ledger):
         for. Raises ConvergenceError where the pressures do not add up to the load.
         """
         total, most = (
-            divided(both, self._fractions) if "worn" in both else both for both in (worn.total, worn.most)
+            split_wear(both, self._fractions) if "worn" in both else both for both in (worn.total, worn.most)
         )
         if self._bends:
             total["wearing_counter"] = total["pressure_times_factor"] = total["wearing"]

@@ -139,7 +139,7 @@ class WearLaw(Scales):
 
         start: distance slid before [mm]. increment: slid while the pressure acts [mm].
         """
-        return self._sum(lambda n: increment if n is None else of_decay(start, increment, n))
+        return self._sum(lambda n: increment if n is None else decay_integral(start, increment, n))
 
     def _sum(self, way: Callable[[float | None], Any]) -> Any:
         """Sum up the terms of K, each times what a function makes of its length."""
@@ -238,7 +238,7 @@ class EnergyLaw(WearLaw):
 
     def wear_per_contact(self, start: float, increment: float) -> float:
         """Return ∫ α τ dL [mm]; see `WearLaw`."""
-        more = (self.ratio - 1.0) * of_decay(start, increment, self.running_in)
+        more = (self.ratio - 1.0) * decay_integral(start, increment, self.running_in)
         return self.shear * (increment + more)
 
 
@@ -317,7 +317,7 @@ def wear_in_steps(
     return [(counter.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
 
 
-def of_decay(start: Any, increment: Number, length: Any) -> Number:
+def decay_integral(start: Any, increment: Number, length: Any) -> Number:
     """Return ∫ e^(−L/length) dL from start over an increment [mm], exact for small ones too."""
     # NumPy's own exp may differ in the last digit from one processor to the next: runs take that of C.
     arrays = any(isinstance(value, np.ndarray) for value in (start, increment, length))

@@ -96,7 +96,7 @@ class DepthProfile:
     def _at(self, values: FloatArray, depth: FloatArray) -> FloatArray:
         return np.interp(depth, self.depths, values) if self.graded else values[self.material_at(depth)]
 
-    def parts(self, depth: FloatArray) -> FloatArray:
+    def lost_of_each(self, depth: FloatArray) -> FloatArray:
         """Return how much of worn depths [mm] each material has lost, of shape (materials, ...)."""
         pairs = zip(self.depths, (*self.depths[1:], math.inf), strict=True)
         return np.array([np.clip(depth, begin, end) - begin for begin, end in pairs])
@@ -105,8 +105,8 @@ class DepthProfile:
         """Return ∫ p dL [N/mm] that wears the unworn body to depths [mm]: Σ of all cells' is F L / h²."""
         total = np.zeros(np.shape(depth))
         segments = self._segments()
-        for (_, _, wear, slope), lost in zip(segments, self.parts(depth), strict=True):
-            total += np.where(lost > 0.0, _through(lost, wear, slope), 0.0)
+        for (_, _, wear, slope), lost in zip(segments, self.lost_of_each(depth), strict=True):
+            total += np.where(lost > 0.0, _exposure_through(lost, wear, slope), 0.0)
         return total
 
     def worn(self, depth: FloatArray, exposure: FloatArray) -> FloatArray:
@@ -118,7 +118,7 @@ class DepthProfile:
         for begin, end, top, slope in self._segments():
             here = (depth < end) & (left > 0.0)
             wear = top + slope * np.where(here, depth - begin, 0.0)
-            needed = _through(np.where(here, end - depth, math.inf), wear, slope)
+            needed = _exposure_through(np.where(here, end - depth, math.inf), wear, slope)
             through, stays = here & (left >= needed), here & (left < needed)
             last = np.where(stays, left, 0.0)
             grown = wear * (np.expm1(slope * last) / slope if slope else last)
@@ -152,7 +152,7 @@ class DepthProfile:
         return high
 
 
-def _through(depth: FloatArray, wear: FloatArray | float, slope: float) -> FloatArray:
+def _exposure_through(depth: FloatArray, wear: FloatArray | float, slope: float) -> FloatArray:
     """Return ∫ p dL [N/mm] that wears a depth [mm]. wear: K where it begins; slope: dK/dδ."""
     with np.errstate(divide="ignore", invalid="ignore"):  # K = 0 is never worn through
         if slope == 0.0:

@@ -14,7 +14,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.laws.archard import Scales, of_decay
+from warpwear.laws.archard import Scales, decay_integral
 from warpwear.laws.junctions import junction_strength
 from warpwear.laws.passes import WHEN, Laps, When, mean_over, within
 
@@ -51,7 +51,7 @@ def _decay(history: Mapping[str, FloatArray], length: Any) -> FloatArray:
     distance, increment = history["distance"], history.get("increment")
     if "area_sheared" not in history or increment is None or not np.all(increment > 0.0):
         return np.asarray(np.exp(-distance / length))
-    return np.asarray(of_decay(distance - increment, increment, length) / increment)
+    return np.asarray(decay_integral(distance - increment, increment, length) / increment)
 
 
 RUNNING_IN = Factor(

@@ -3,41 +3,16 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, Literal, Protocol
+from typing import Any, ClassVar, Literal
 
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw, knots_of
 from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
+from warpwear.laws.form import Form
 from warpwear.laws.fretting import Fretting
 from warpwear.laws.pieces import Pieces
-
-
-class CounterForm(Protocol):
-    """What models ask of the unworn counter-body's form, see `warpwear.surfaces.form`."""
-
-    @property
-    def curvature(self) -> float:
-        """Return 1/R of a ball [1/mm], whose heights kernels make; 0 of every other form."""
-
-    @property
-    def is_flat(self) -> bool:
-        """Tell whether it is the rigid flat, whose contact has no outline."""
-
-    @property
-    def is_line(self) -> bool:
-        """Tell whether its scar is a rectangle: it rises one way and goes on the other."""
-
-    @property
-    def rises(self) -> tuple[bool, bool]:
-        """Tell whether it rises along sliding and across it; where it does not, it ends with the domain."""
-
-    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return its heights [mm] at the points x × y [mm], shape (x.size, y.size)."""
-
-    def beneath(self, heights: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return heights [mm] under the kernels' ball or flat that leave the gap over a disc's."""
 
 
 class FeatureLaw:
@@ -70,7 +45,7 @@ class ContactTask:
 
     load: float  # F [N]
     hardness: float  # largest pressure of an unworn cell H [MPa]; inf without one
-    form: CounterForm  # of the unworn counter-body
+    form: Form  # of the unworn counter-body
     wear: tuple[WearLaw, WearLaw]  # of counter-body and disc, of their unworn surfaces
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
     implicit: bool = True  # whether the wear of a step adds to its compliance

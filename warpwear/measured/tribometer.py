@@ -5,23 +5,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.rows import Mask
-from warpwear.measured.rows import Rows as Record
+from warpwear.measured.rows import Indices, Mask, Rows
 
-Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 #: Share of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
-CUT = 0.1
+END_CUT = 0.1
 #: A turn is told from noise by this share of the stroke on either side of its middle.
 HYSTERESIS = 0.25
 #: Quantile of the position that counts as an end of the stroke: single jumps lie beyond.
-END = 0.01
+END_QUANTILE = 0.01
 #: Samples of a pass over those of the running mean that takes noise off the turning points, at least.
 LEAST_PARTS = 20
 #: Turning points of two whole cycles, the fewest that a record of them needs.
@@ -43,7 +40,7 @@ ALTERNATING = 0.9
 
 
 def from_forces(
-    path: Path, table: Mapping[str, FloatArray], *, step: Rows, stroke: float | None, load: float | None
+    path: Path, table: Mapping[str, FloatArray], *, step: Indices, stroke: float | None, load: float | None
 ) -> Experiment:
     """Return the course of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
 
@@ -59,7 +56,7 @@ def from_forces(
     serves where it keeps it. Raises InputError for a record that says too little.
     """
     friction = table["friction force"]
-    normal, notes, warnings = _normal(path, table, load)
+    normal, notes, warnings = _normal_force(path, table, load)
     if "position" in table:
         course = _by_cycles(path, table["position"], friction, normal, stroke)
     elif _alternating(friction, step):
@@ -69,7 +66,7 @@ def from_forces(
     return replace(course, notes=(*notes, *course.notes), warnings=warnings)
 
 
-def _normal(
+def _normal_force(
     path: Path, table: Mapping[str, FloatArray], load: float | None
 ) -> tuple[FloatArray, list[str], tuple[str, ...]]:
     """Return the normal force [N], pressing positive, shape (rows,); notes and warnings."""
@@ -145,14 +142,14 @@ def _by_cycles(
     if stroke is not None and abs(measured - stroke) > OTHER_STROKE * stroke:
         raise InputError(f"{path}: the stroke is {measured:.3g} mm by the position, not {stroke:g} mm")
     used = measured if stroke is None else stroke
-    inside = np.abs(position - middle) <= (0.5 - CUT) * measured
+    inside = np.abs(position - middle) <= (0.5 - END_CUT) * measured
     start = abs(float(smooth[turns[0]] - smooth[0]))
     source = "as given" if stroke is not None else "from its turning points"
     passes = _Passes(_with_lost(turns, known), inside & known, used, min(start, used), source)
-    return _of_passes(path, friction, normal, passes)
+    return _course_of_passes(path, friction, normal, passes)
 
 
-def _with_lost(turns: Rows, known: Mask) -> Rows:
+def _with_lost(turns: Indices, known: Mask) -> Indices:
     """Return the turns with those that lie in gaps of the position: passes last as long as the median one.
 
     known: the rows with a position, shape (rows,). Turns alternate between the ends, so that two are lost.
@@ -165,12 +162,12 @@ def _with_lost(turns: Rows, known: Mask) -> Rows:
     return np.rint(np.append(np.concatenate(parts), turns[-1])).astype(np.intp)
 
 
-def alternates(rows: Record) -> bool:
+def alternates(rows: Rows) -> bool:
     """Return whether the friction force of a record changes its sign from step to step."""
     return "friction force" in rows.table and _alternating(rows.table["friction force"], rows.step)
 
 
-def _alternating(friction: FloatArray, step: Rows) -> bool:
+def _alternating(friction: FloatArray, step: Indices) -> bool:
     known = np.isfinite(friction)
     steps, which = np.unique(step[known], return_inverse=True)
     if steps.size < LEAST_TURNS - 1:
@@ -180,33 +177,35 @@ def _alternating(friction: FloatArray, step: Rows) -> bool:
 
 
 def _by_strokes(
-    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, step: Rows, stroke: float | None
+    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, step: Indices, stroke: float | None
 ) -> Experiment:
     """Return the course of a record whose steps are passes forth and back, cycle by cycle."""
     turns = np.searchsorted(step, np.arange(step[-1] + 2))  # a step of gaps alone has no rows
     count, seen = np.diff(turns), step[-1] - step[0] + 1
     place = (np.arange(step.size) - np.repeat(turns[:-1], count) + 0.5) / np.repeat(count, count)
-    inside = np.abs(place - 0.5) <= 0.5 - CUT
+    inside = np.abs(place - 0.5) <= 0.5 - END_CUT
     source = "as given" if stroke is not None else "of its steps"
     if stroke is None and "distance" not in table:
         raise InputError(f"{path} has a stroke a step and not its length: --stroke '10 mm' is needed")
     if stroke is None:
         stroke = float((table["distance"][-1] - table["distance"][0]) / (seen - seen / step.size))
-    return _of_passes(path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source))
+    return _course_of_passes(
+        path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source)
+    )
 
 
 @dataclass(frozen=True)
 class _Passes:
     """Passes forth and back lie between rows at which the sliding turns."""
 
-    turns: Rows  # shape (passes + 1,)
+    turns: Indices  # shape (passes + 1,)
     inside: Mask  # rows away from the ends, shape (rows,)
     stroke: float  # length of a pass [mm]
     start: float  # distance slid before the first turn [mm]
     source: str  # of the stroke, for a sentence
 
 
-def _of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Passes) -> Experiment:
+def _course_of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Passes) -> Experiment:
     """Return the course cycle by cycle. friction, normal: forces [N], shape (rows,)."""
     turns, inside, used = passes.turns, passes.inside, passes.stroke
     inside[: turns[0]] = inside[turns[-1] :] = False
@@ -246,7 +245,7 @@ def _of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Pa
     return Experiment(path.stem, distance[loaded], half[loaded] / pressing[loaded], tuple(notes), cycles)
 
 
-def _pass_means(path: Path, values: FloatArray, inside: Mask, turns: Rows) -> FloatArray:
+def _pass_means(path: Path, values: FloatArray, inside: Mask, turns: Indices) -> FloatArray:
     """Return the mean of the samples inside every pass from turn to turn, shape (passes,), NaN without one.
 
     inside: which samples count, shape (rows,); what lies before the first turn and after the last does not.
@@ -259,14 +258,14 @@ def _pass_means(path: Path, values: FloatArray, inside: Mask, turns: Rows) -> Fl
     return np.where(number > 0, sums / np.maximum(number, 1), np.nan)
 
 
-def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
+def turning_points(position: FloatArray) -> tuple[Indices, FloatArray]:
     """Return the rows at which the position [mm] turns, in order, and the smoothed position [mm].
 
     Between two crossings of the middle of the stroke, each complete only when it leaves a band of half the
     stroke, lies one turn: the extreme of the smoothed position. Noise inside the band makes none. The first
     and the last count if they come so near to the stroke's end that only what is cut is missing.
     """
-    low, high = np.quantile(position, [END, 1.0 - END])
+    low, high = np.quantile(position, [END_QUANTILE, 1.0 - END_QUANTILE])
     if high <= low:
         return np.zeros(0, dtype=np.intp), position
     away = (position - 0.5 * (low + high)) / (high - low)
@@ -280,7 +279,7 @@ def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
     turns = [int(stay[0] + np.argmax(side[stay[0]] * smooth[stay[0] : stay[-1] + 1])) for stay in stays]
     for at in (0, -1):  # the record may begin or end within a pass
         end = high if side[stays[at][0]] > 0 else low
-        if abs(smooth[turns[at]] - end) > CUT * (high - low):
+        if abs(smooth[turns[at]] - end) > END_CUT * (high - low):
             del turns[at]
     return np.array(turns, dtype=np.intp), smooth
 

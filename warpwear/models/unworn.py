@@ -8,8 +8,8 @@ from warpwear.engine.program import launch_once
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact
 from warpwear.kernels.cells import Layout
+from warpwear.laws.form import Form
 from warpwear.laws.patches import Patches
-from warpwear.laws.task import CounterForm
 
 
 def layout_of(executor: Executor, patches: Patches | None = None) -> Arguments:
@@ -22,9 +22,7 @@ def layout_of(executor: Executor, patches: Patches | None = None) -> Arguments:
     return arguments(Layout, vectors=vectors, first_row=rows, first_column=columns)
 
 
-def gap_over(
-    form: CounterForm, heights: FloatArray, executor: Executor, patches: Patches | None = None
-) -> Field:
+def gap_over(form: Form, heights: FloatArray, executor: Executor, patches: Patches | None = None) -> Field:
     """Return the gap of an unworn counter-body over heights of a disc [mm].
 
     heights: over the mean plane [mm], shape of the executor's grid; of patches, which are on a grid of their

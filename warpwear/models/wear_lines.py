@@ -44,7 +44,7 @@ class Lines:
     def draw(self, gap: Field, pressure: Field, *, keeps: float) -> None:
         """Draw them through the present pressures. keeps: see `FORGETS`."""
         fields: Any = pressure, self._last, self._far, gap, self.gap, self.yields
-        launch_once(self._executor, kernels.straighten, self.bends, keeps, *fields, self.off)
+        launch_once(self._executor, kernels.linearise, self.bends, keeps, *fields, self.off)
 
 
 class WearLines:

@@ -18,11 +18,11 @@ from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, columns_of, stress_columns
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot, lowered
+from warpwear.laws.form import Form, Given
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields
 from warpwear.results.seal import digest_of, has_mark, open_to_read, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
-from warpwear.surfaces.form import Form, Given
 
 Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"

@@ -28,6 +28,7 @@ import numpy as np
 from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
+from warpwear.laws.form import Given
 from warpwear.laws.passes import Block
 from warpwear.results.check import check_snapshots
 from warpwear.results.ensemble import NO_MATTER
@@ -36,7 +37,6 @@ from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_fr
 from warpwear.runs.order import RunOrder
 from warpwear.study.keys import dotted
 from warpwear.study.study import Study
-from warpwear.surfaces.form import Given
 from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"

@@ -17,6 +17,7 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.form import Given
 from warpwear.laws.passes import Block
 from warpwear.laws.track import Track
 from warpwear.results.seal import versions
@@ -30,7 +31,6 @@ from warpwear.runs.jump import CycleJumps
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned
 from warpwear.runs.step import RunStep
-from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
 

@@ -16,6 +16,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
+from warpwear.laws.form import Form
 from warpwear.laws.friction import friction_energy
 from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
@@ -30,7 +31,6 @@ from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
 from warpwear.surfaces.base import BoolArray, Surface
-from warpwear.surfaces.form import Form
 from warpwear.surfaces.made.synthetic import Periodic
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.reading import digest_of, noted

@@ -6,11 +6,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
+from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
 from warpwear.study.sections.layers import LAYERED, MOST_LAYERS, Gradient, LayerSection
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
-from warpwear.surfaces.form import Form, Given, form_of
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
 NO_KIND = "does not apply to kind = '{}'"

@@ -10,6 +10,7 @@ from warpwear.laws.archard import BODIES, WearLaw
 from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
+from warpwear.laws.form import Form
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
 from warpwear.laws.friction import FrictionLaw
 from warpwear.laws.junctions import critical_junction, junction_strength
@@ -19,7 +20,6 @@ from warpwear.study.keys import uses, value_of
 from warpwear.study.programme import Programme
 from warpwear.study.sections.layers import depth_profiles
 from warpwear.study.units import text
-from warpwear.surfaces.form import Form
 
 
 class Content(Programme):

@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterator
 
 from warpwear.laws.archard import BODIES
+from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE
 from warpwear.study.content import Content
 from warpwear.study.motion import refuse_parts
 from warpwear.study.sections.layers import LayerSection
-from warpwear.surfaces.form import Form
 
 #: Extent over worn patch that a sentence recommends.
 SPARE = 1.1

@@ -12,11 +12,11 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.form import Ball, Form, Given
 from warpwear.laws.track import WHOLE
 from warpwear.study.bodies import Disc, MeasuredBody, Synthetic
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
-from warpwear.surfaces.form import Ball, Form, Given
 from warpwear.surfaces.made.like import LikeProfile
 from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine

@@ -15,27 +15,25 @@ WARPWEAR_FN void open_cells(int slot, int slots, Solve& solve, const Few& few)
 {
     const double near = solve.numbers.data[0].near;
     int place = lists ? (int)wp::index(solve.table, 1, slot) : 0, cells = 0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
         const Lanes level = group.level;
-        return [&, row, level](int i) {
-            const Lanes zero = 0.0, p = row.pressure[i], off = row.gradient[i] - level, cap = row.cap_of(i);
-            const Mask open = ((p > zero) | (off < Lanes(near))) & ((p < cap) | (off > Lanes(-near)));
-            if (lists) row.trial[i] = p;
-            if (!any(open)) return;
-            for (int j = 0; j < LANES; ++j) {
-                const int column = i * LANES + j;
-                if (!open[j] || column >= solve.columns) continue;
-                if (lists) {
-                    few.row.data[place] = row.number;
-                    few.column.data[place] = column;
-                    few.slope.data[place] = off[j];
-                    few.low.data[place] = -p[j];
-                    few.high.data[place] = cap[j] - p[j];
-                    ++place;
-                }
-                ++cells;
+        const Lanes zero = 0.0, p = row.pressure[i], off = row.gradient[i] - level, cap = row.cap_of(i);
+        const Mask open = ((p > zero) | (off < Lanes(near))) & ((p < cap) | (off > Lanes(-near)));
+        if (lists) row.trial[i] = p;
+        if (!any(open)) return;
+        for (int j = 0; j < LANES; ++j) {
+            const int column = i * LANES + j;
+            if (!open[j] || column >= solve.columns) continue;
+            if (lists) {
+                few.row.data[place] = row.number;
+                few.column.data[place] = column;
+                few.slope.data[place] = off[j];
+                few.low.data[place] = -p[j];
+                few.high.data[place] = cap[j] - p[j];
+                ++place;
             }
-        };
+            ++cells;
+        }
     });
     if (!lists) wp::index(solve.table, 0, slot) = double(cells);
 }

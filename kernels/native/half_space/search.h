@@ -27,29 +27,30 @@ struct SearchRow {
 
     template <typename Fields>
     CUDA_CALLABLE SearchRow(const Fields& fields, int row)
-        : pressure(row_of(fields.pressure, row)), gradient(row_of(fields.gradient, row)),
-          trial(row_of(fields.trial, row)), step(row_of(fields.step, row)),
-          response(row_of(fields.response, row)), gap(row_of(fields.gap, row)), cap_ratio(nullptr),
-          yields(nullptr), gathered(nullptr), cap(fields.cap), number(row)
+        : pressure(row_of(fields.pressure, row)), gradient(row_or_none(fields.gradient, row)),
+          trial(row_or_none(fields.trial, row)), step(row_or_none(fields.step, row)),
+          response(row_of(fields.response, row)), gap(row_of(fields.gap, row)),
+          cap_ratio(row_or_none(fields.cap_ratio, row)), yields(row_or_none(fields.yields, row)),
+          gathered(fields.gathered.shape[0] > 0 ? single_row_of(fields.gathered, row) : nullptr),
+          cap(fields.cap), number(row)
     {
-        if (fields.cap_ratio.shape[0] > 0) cap_ratio = row_of(fields.cap_ratio, row);
-        if (fields.yields.shape[0] > 0) yields = row_of(fields.yields, row);
-        if (fields.gathered.shape[0] > 0) gathered = (const StoredSingle*)&wp::index(fields.gathered, row, 0);
     }
 
     CUDA_CALLABLE Lanes cap_of(int i) const { return cap_ratio ? cap * cap_ratio[i] : cap; }
+    // The gap that is left under the displacement by the pressure.
+    CUDA_CALLABLE Lanes left(int i) const { return gap[i] + response[i]; }
 };
 
-// Visit every cell of a slot. `on_row` takes a row and the group that carries its load, and returns
-// what is done with each of its cells, by their place in the row.
-template <typename Row = SearchRow, typename Solve, typename OnRow>
-WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OnRow& on_row)
+// Visit every cell of a slot: a row, the group that carries its load, and the cell's place in the row.
+template <typename Solve, typename Visit>
+WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const Visit& visit)
 {
     const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
     const bool is_one = solve.groups.shape[0] == 1;
     for (int row = slot; row < rows; row += slots) {
-        const auto on_cell = on_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
-        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) on_cell(i);
+        const SearchRow here(solve.fields, row);
+        const auto group = solve.groups.data[is_one ? 0 : row]; // a loop over cells need not read it again
+        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) visit(here, group, i);
     }
 }
 
@@ -82,19 +83,16 @@ template <typename Solve> WARPWEAR_FN void moments(int slot, int slots, Solve& s
     const int columns = solve.columns;
     Counts cells = 0;
     Lanes first = 0.0, second = 0.0, lowest = -NO_LIMIT;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
+        CONTRACT_FAST
         const Lanes mean = group.mean;
-        return [&, row, mean](int i) {
-            CONTRACT_FAST
-            const Lanes zero = 0.0, none = NO_LIMIT, g = row.gap[i];
-            const Counts no = 0, yes = 1;
-            const Mask there = inside(i, columns) & (g < Lanes(ABSENT));
-            const Lanes above = there ? g - mean : zero, down = there ? -g : -none;
-            cells += there ? yes : no;
-            first += above;
-            second += above * above;
-            lowest = lowest > down ? lowest : down;
-        };
+        const Lanes zero = 0.0, none = NO_LIMIT, g = row.gap[i];
+        const Mask there = inside(i, columns) & (g < Lanes(ABSENT));
+        const Lanes above = there ? g - mean : zero, down = there ? -g : -none;
+        cells += one_if(there);
+        first += above;
+        second += above * above;
+        lowest = lowest > down ? lowest : down;
     });
     store_lines(solve.table, slot, 3, {count(cells), total(first), total(second), most(lowest)});
 }
@@ -106,16 +104,13 @@ template <typename Solve> WARPWEAR_FN void springs(int slot, int slots, Solve& s
     const Lanes stiffness = solve.numbers.data[0].stiffness;
     Lanes sum = 0.0;
     Counts between = 0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
         const Lanes level = group.level;
-        return [&, row, level](int i) {
-            const Lanes zero = 0.0, none = NO_LIMIT, cap = row.cap_of(i);
-            const Counts no = 0, yes = 1;
-            const Lanes x = inside(i, columns) ? (level - row.gap[i]) * stiffness : -none;
-            row.trial[i] = x;
-            sum += clipped(x, cap);
-            between += ((x > zero) & (x < cap)) ? yes : no;
-        };
+        const Lanes zero = 0.0, none = NO_LIMIT, cap = row.cap_of(i);
+        const Lanes x = inside(i, columns) ? (level - row.gap[i]) * stiffness : -none;
+        row.trial[i] = x;
+        sum += clipped(x, cap);
+        between += one_if((x > zero) & (x < cap));
     });
     store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
@@ -126,15 +121,12 @@ template <bool takes, typename Solve> WARPWEAR_FN void carried(int slot, int slo
 {
     Lanes sum = 0.0;
     Counts between = 0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
         const Lanes shift = group.shift;
-        return [&, row, shift](int i) {
-            const Lanes zero = 0.0, cap = row.cap_of(i), q = shifted(row.trial[i], shift, cap);
-            const Counts no = 0, yes = 1;
-            if (takes) row.pressure[i] = q;
-            sum += q;
-            between += ((q > zero) & (q < cap)) ? yes : no;
-        };
+        const Lanes zero = 0.0, cap = row.cap_of(i), q = shifted(row.trial[i], shift, cap);
+        if (takes) row.pressure[i] = q;
+        sum += q;
+        between += one_if((q > zero) & (q < cap));
     });
     store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
@@ -142,11 +134,9 @@ template <bool takes, typename Solve> WARPWEAR_FN void carried(int slot, int slo
 // Pressures down to caps that may have fallen since they were solved.
 template <typename Solve> WARPWEAR_FN void bound(int slot, int slots, Solve& solve)
 {
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [row](int i) {
-            const Lanes p = row.pressure[i], cap = row.cap_of(i);
-            row.pressure[i] = p < cap ? p : cap;
-        };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        const Lanes p = row.pressure[i], cap = row.cap_of(i);
+        row.pressure[i] = p < cap ? p : cap;
     });
 }
 
@@ -157,11 +147,9 @@ WARPWEAR_FN void streak(int slot, int slots, const Solve& solve, Streaks& streak
 {
     const auto& fields = solve.fields;
     const int window = streaks.window.data[0];
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [&, row](int i) {
-            const Lanes mean = mean_at(of_step ? fields.step : fields.pressure, row.number, i, window);
-            row_of(streaks.yielded, row.number)[i] = row_of(streaks.yields, row.number)[i] * mean;
-        };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        const Lanes mean = mean_at(of_step ? fields.step : fields.pressure, row.number, i, window);
+        row_of(streaks.yielded, row.number)[i] = row_of(streaks.yields, row.number)[i] * mean;
     });
 }
 
@@ -170,20 +158,18 @@ template <typename Solve, typename Streaks>
 WARPWEAR_FN void add_streaks(int slot, int slots, Solve& solve, const Streaks& streaks)
 {
     const int window = streaks.window.data[0];
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [&, row](int i) { row.response[i] += mean_at(streaks.yielded, row.number, i, window); };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        row.response[i] += mean_at(streaks.yielded, row.number, i, window);
     });
 }
 
 // What compliances of each cell add to the response to the pressure, or to the step.
 template <bool of_step, typename Solve> WARPWEAR_FN void yield(int slot, int slots, Solve& solve)
 {
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [row](int i) {
-            CONTRACT_FAST
-            const Lanes x = of_step ? row.step[i] : row.pressure[i], b = row.yields[i];
-            row.response[i] = row.response[i] + b * x;
-        };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        CONTRACT_FAST
+        const Lanes x = of_step ? row.step[i] : row.pressure[i], b = row.yields[i];
+        row.response[i] = row.response[i] + b * x;
     });
 }
 
@@ -193,12 +179,10 @@ template <bool of_step, typename Solve> WARPWEAR_FN void yield(int slot, int slo
 template <typename Solve> WARPWEAR_FN void weigh(int slot, int slots, Solve& solve)
 {
     const Lanes stiffness = solve.numbers.data[0].longer_stiffness;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [=](int i) {
-            CONTRACT_FAST
-            const Lanes one = 1.0, b = row.yields[i];
-            row.trial[i] = row.trial[i] / root_of(one + stiffness * b);
-        };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        CONTRACT_FAST
+        const Lanes one = 1.0, b = row.yields[i];
+        row.trial[i] = row.trial[i] / root_of(one + stiffness * b);
     });
 }
 
@@ -207,14 +191,12 @@ template <typename Solve> WARPWEAR_FN void gradient(int slot, int slots, Solve& 
 {
     const int columns = solve.columns;
     Lanes largest = 0.0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [&, row](int i) {
-            const Lanes zero = 0.0, none = NO_LIMIT, u = row.response[i];
-            const Mask there = inside(i, columns);
-            row.gradient[i] = there ? row.gap[i] + u : none;
-            const Lanes size = there ? size_of(u) : zero;
-            largest = largest > size ? largest : size;
-        };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        const Lanes zero = 0.0, none = NO_LIMIT, u = row.response[i];
+        const Mask there = inside(i, columns);
+        row.gradient[i] = there ? row.gap[i] + u : none;
+        const Lanes size = there ? size_of(u) : zero;
+        largest = largest > size ? largest : size;
     });
     store_most(solve.table, 0, slot, most(largest));
 }
@@ -229,28 +211,25 @@ template <typename Solve> WARPWEAR_FN void advance(int slot, int slots, Solve& s
     const Lanes by = numbers.length;
     Lanes sum = 0.0, level = 0.0, highest = -NO_LIMIT, lowest = -NO_LIMIT;
     Counts touching = 0, between = 0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
+        CONTRACT_FAST
         const Lanes shift = group.shift;
-        return [&, row, shift](int i) {
-            CONTRACT_FAST
-            const Lanes zero = 0.0, none = NO_LIMIT, cap = row.cap_of(i);
-            const Counts no = 0, yes = 1;
-            Lanes p = row.pressure[i], t = row.gradient[i];
-            if (moves) { // else there may be no response
-                p = whole ? shifted(row.trial[i], shift, cap) : clipped(p + by * row.step[i], cap);
-                t += by * row.response[i];
-                row.pressure[i] = p;
-                row.gradient[i] = t;
-            }
-            const Mask touches = p > zero, below = p < cap;
-            const Lanes up = touches ? t : -none, down = below ? -t : -none;
-            sum += p;
-            touching += touches ? yes : no;
-            between += (touches & below) ? yes : no;
-            level += (touches & below) ? t : zero;
-            highest = highest > up ? highest : up;
-            lowest = lowest > down ? lowest : down;
-        };
+        const Lanes zero = 0.0, none = NO_LIMIT, cap = row.cap_of(i);
+        Lanes p = row.pressure[i], t = row.gradient[i];
+        if (moves) { // else there may be no response
+            p = whole ? shifted(row.trial[i], shift, cap) : clipped(p + by * row.step[i], cap);
+            t += by * row.response[i];
+            row.pressure[i] = p;
+            row.gradient[i] = t;
+        }
+        const Mask touches = p > zero, below = p < cap;
+        const Lanes up = touches ? t : -none, down = below ? -t : -none;
+        sum += p;
+        touching += one_if(touches);
+        between += one_if(touches & below);
+        level += (touches & below) ? t : zero;
+        highest = highest > up ? highest : up;
+        lowest = lowest > down ? lowest : down;
     });
     store_lines(solve.table, slot, 4,
                 {total(sum), count(touching), count(between), total(level), most(highest), most(lowest)});
@@ -259,12 +238,10 @@ template <typename Solve> WARPWEAR_FN void advance(int slot, int slots, Solve& s
 // t - L on the free cells, 0 elsewhere, in the place of the trial.
 template <typename Solve> WARPWEAR_FN void residual(int slot, int slots, Solve& solve)
 {
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
         const Lanes level = group.level;
-        return [row, level](int i) {
-            const Lanes zero = 0.0, t = row.gradient[i];
-            row.trial[i] = is_free(row.pressure[i], t, level, row.cap_of(i)) ? t - level : zero;
-        };
+        const Lanes zero = 0.0, t = row.gradient[i];
+        row.trial[i] = is_free(row.pressure[i], t, level, row.cap_of(i)) ? t - level : zero;
     });
 }
 
@@ -293,25 +270,13 @@ template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& s
 
 // Where a step goes down from a cell: its gradient, or what the preconditioner made of that.
 struct Descent {
-    const Stored *gradient, *trial;
-    const StoredSingle* gathered;
-    Lanes level;
+    bool is_plain, is_extended;
 
-    template <typename Numbers, typename Group>
-    CUDA_CALLABLE Descent(const SearchRow& row, const Numbers& numbers, const Group& group)
-        : gradient(nullptr), trial(row.trial), gathered(nullptr), level(group.level)
+    CUDA_CALLABLE Lanes at(const SearchRow& row, int i, Lanes level) const
     {
-        if (numbers.plain == 1)
-            gradient = row.gradient;
-        else if (numbers.extended == 1)
-            gathered = row.gathered;
-    }
-
-    CUDA_CALLABLE Lanes operator()(int i) const
-    {
-        if (gradient) return gradient[i] - level;
-        if (gathered) return doubled(gathered[i]);
-        return trial[i];
+        if (is_plain) return row.gradient[i] - level;
+        if (is_extended) return doubled(row.gathered[i]);
+        return row.trial[i];
     }
 };
 
@@ -320,31 +285,27 @@ struct Descent {
 template <typename Solve> WARPWEAR_FN void products(int slot, int slots, Solve& solve)
 {
     const auto& numbers = solve.numbers.data[0];
+    const Descent descent = {numbers.plain == 1, numbers.extended == 1};
     Counts free_cells = 0;
     Lanes sum_z = 0.0, sum_r = 0.0, sum_y = 0.0, zy = 0.0, zr = 0.0, sr = 0.0;
     Lanes largest_z = 0.0, largest_r = 0.0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
-        const Descent descent(row, numbers, group);
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
+        CONTRACT_FAST
         const Lanes level = group.level;
-        return [&, row, descent, level](int i) {
-            CONTRACT_FAST
-            const Lanes zero = 0.0, p = row.pressure[i], t = row.gradient[i];
-            const Counts no = 0, yes = 1;
-            const Mask may = is_free(p, t, level, row.cap_of(i));
-            if (!any(may)) return; // the others are not read
-            const Lanes z = may ? descent(i) : zero, r = may ? t - level : zero;
-            const Lanes y = may ? row.response[i] : zero, s = row.step[i], of_z = size_of(z),
-                        of_r = size_of(r);
-            free_cells += may ? yes : no;
-            sum_z += z;
-            sum_r += r;
-            sum_y += y;
-            zy += z * y;
-            zr += z * r;
-            sr += s * r;
-            largest_z = largest_z > of_z ? largest_z : of_z;
-            largest_r = largest_r > of_r ? largest_r : of_r;
-        };
+        const Lanes zero = 0.0, p = row.pressure[i], t = row.gradient[i];
+        const Mask may = is_free(p, t, level, row.cap_of(i));
+        if (!any(may)) return; // the others are not read
+        const Lanes z = may ? descent.at(row, i, level) : zero, r = may ? t - level : zero;
+        const Lanes y = may ? row.response[i] : zero, s = row.step[i], of_z = size_of(z), of_r = size_of(r);
+        free_cells += one_if(may);
+        sum_z += z;
+        sum_r += r;
+        sum_y += y;
+        zy += z * y;
+        zr += z * r;
+        sr += s * r;
+        largest_z = largest_z > of_z ? largest_z : of_z;
+        largest_r = largest_r > of_r ? largest_r : of_r;
     });
     store_lines(solve.table, slot, 7,
                 {count(free_cells), total(sum_z), total(sum_r), total(sum_y), total(zy), total(zr), total(sr),
@@ -357,24 +318,21 @@ template <typename Solve> WARPWEAR_FN void products(int slot, int slots, Solve& 
 template <typename Solve> WARPWEAR_FN void direction(int slot, int slots, Solve& solve)
 {
     const auto& numbers = solve.numbers.data[0];
+    const Descent descent = {numbers.plain == 1, numbers.extended == 1};
     const Lanes memory = numbers.memory, length = numbers.trial_length, out = -numbers.outward;
     Lanes sum = 0.0;
     Counts between = 0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
-        const Descent descent(row, numbers, group);
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
+        CONTRACT_FAST
         const Lanes level = group.level, mean = group.descent_mean;
-        return [&, row, descent, level, mean](int i) {
-            CONTRACT_FAST
-            const Lanes zero = 0.0, p = row.pressure[i], t = row.gradient[i], cap = row.cap_of(i);
-            const Counts no = 0, yes = 1;
-            const Mask may = is_free(p, t, level, cap);
-            Lanes d = out * (t - level);
-            if (any(may)) d = may ? memory * row.step[i] - (descent(i) - mean) : d;
-            const Lanes x = p + length * d;
-            row.trial[i] = x;
-            sum += clipped(x, cap);
-            between += ((x > zero) & (x < cap)) ? yes : no;
-        };
+        const Lanes zero = 0.0, p = row.pressure[i], t = row.gradient[i], cap = row.cap_of(i);
+        const Mask may = is_free(p, t, level, cap);
+        Lanes d = out * (t - level);
+        if (any(may)) d = may ? memory * row.step[i] - (descent.at(row, i, level) - mean) : d;
+        const Lanes x = p + length * d;
+        row.trial[i] = x;
+        sum += clipped(x, cap);
+        between += one_if((x > zero) & (x < cap));
     });
     store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
@@ -383,20 +341,18 @@ template <typename Solve> WARPWEAR_FN void direction(int slot, int slots, Solve&
 template <typename Solve> WARPWEAR_FN void step(int slot, int slots, Solve& solve)
 {
     Lanes slope = 0.0, used = 0.0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group) {
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto& group, int i) {
+        CONTRACT_FAST
         const Lanes level = group.level, shift = group.shift;
-        return [&, row, level, shift](int i) {
-            CONTRACT_FAST
-            const Lanes zero = 0.0, cap = row.cap_of(i), p = row.pressure[i];
-            const Lanes s = shifted(row.trial[i], shift, cap) - p;
-            row.step[i] = s;
-            const Mask moves = s != zero;
-            if (!any(moves)) return;
-            const Lanes room = s < zero ? p : cap - p;
-            const Mask more = moves & (size_of(s) > used * room);
-            if (any(more)) used = more ? size_of(s) / room : used; // a division is dear
-            slope += moves ? s * (row.gradient[i] - level) : zero;
-        };
+        const Lanes zero = 0.0, cap = row.cap_of(i), p = row.pressure[i];
+        const Lanes s = shifted(row.trial[i], shift, cap) - p;
+        row.step[i] = s;
+        const Mask moves = s != zero;
+        if (!any(moves)) return;
+        const Lanes room = s < zero ? p : cap - p;
+        const Mask more = moves & (size_of(s) > used * room);
+        if (any(more)) used = more ? size_of(s) / room : used; // a division is dear
+        slope += moves ? s * (row.gradient[i] - level) : zero;
     });
     store_partials({{total(slope), &wp::index(solve.table, 0, slot), true},
                     {most(used), &wp::index(solve.table, 2, slot), false}});
@@ -406,13 +362,11 @@ template <typename Solve> WARPWEAR_FN void step(int slot, int slots, Solve& solv
 template <typename Solve> WARPWEAR_FN void curvature(int slot, int slots, Solve& solve)
 {
     Lanes sum = 0.0, largest = 0.0;
-    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [&, row](int i) {
-            CONTRACT_FAST
-            const Lanes y = row.response[i], size = size_of(y);
-            sum += row.step[i] * y;
-            largest = largest > size ? largest : size;
-        };
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&, int i) {
+        CONTRACT_FAST
+        const Lanes y = row.response[i], size = size_of(y);
+        sum += row.step[i] * y;
+        largest = largest > size ? largest : size;
     });
     store_partials({{total(sum), &wp::index(solve.table, 1, slot), true},
                     {most(largest), &wp::index(solve.table, 3, slot), false}});

@@ -19,18 +19,12 @@ WARPWEAR_FN Pair operator+(Pair a, Pair b) { return {a.x + b.x, a.y + b.y}; }
 WARPWEAR_FN Pair operator-(Pair a, Pair b) { return {a.x - b.x, a.y - b.y}; }
 WARPWEAR_FN Pair operator*(Lanes by, Pair a) { return {by * a.x, by * a.y}; }
 WARPWEAR_FN Lanes dot(Pair a, Pair b) { return a.x * b.x + a.y * b.y; }
-WARPWEAR_FN Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 WARPWEAR_FN Lanes only(Mask where, Lanes v)
 {
     const Lanes zero = 0.0;
     return where ? v : zero;
 }
 WARPWEAR_FN Pair only(Mask where, Pair v) { return {only(where, v.x), only(where, v.y)}; }
-WARPWEAR_FN Counts one_if(Mask where)
-{
-    const Counts no = 0, yes = 1;
-    return where ? yes : no;
-}
 
 // A row of a field of vectors.
 struct PairRow {
@@ -78,7 +72,7 @@ struct ShearRow {
     CUDA_CALLABLE Lanes held(int i, Lanes strength) const
     {
         const Lanes zero = 0.0, one = 1.0, l = tie[i];
-        return one + strength * larger(l, zero);
+        return one + strength * larger_of(l, zero);
     }
 
     // Of a cell among those that together must not move, and squared in the preconditioner.
@@ -139,7 +133,7 @@ template <typename Shear> WARPWEAR_FN void shear_scale(int slot, int slots, Shea
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
         const Lanes zero = 0.0, none = -1.0;
         const Mask touches = row.touches(i);
-        largest = larger(largest, only(touches, size_of(row.response.x[i])));
+        largest = larger_of(largest, only(touches, size_of(row.response.x[i])));
         touching += one_if(touches);
         sum += row.bound[i];
         row.tie[i] = none;
@@ -193,8 +187,8 @@ template <typename Shear> WARPWEAR_FN void shear_slips(int slot, int slots, Shea
         row.change.put(i, g - row.gradient[i]);
         row.gradient.put(i, g);
         row.trial.put(i, root_of(row.weight(i, strength)) * g);
-        aside = larger(aside, dot(across, across));
-        against = larger(against, only(on, -outward));
+        aside = larger_of(aside, dot(across, across));
+        against = larger_of(against, only(on, -outward));
     });
     store_lines(shear.table, slot, 0, {most(aside), most(against)});
 }
@@ -250,7 +244,7 @@ template <typename Shear> WARPWEAR_FN void shear_curves(int slot, int slots, She
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
         const Pair d = row.way[i];
         const Lanes l = row.tie[i], zero = 0.0;
-        sum += dot(d, row.response[i]) + larger(l, zero) * dot(d, d);
+        sum += dot(d, row.response[i]) + larger_of(l, zero) * dot(d, d);
     });
     store_sum(shear.table, 0, slot, total(sum));
 }
@@ -282,7 +276,7 @@ template <bool goes, typename Shear> WARPWEAR_FN void shear_moves(int slot, int 
         xx += weight * (one - n.x * n.x);
         xy -= weight * (n.x * n.y);
         yy += weight * (one - n.y * n.y);
-        if (goes) hit = larger(hit, (free_cell & row.on_circle(i) & ~was_on) ? one : zero);
+        if (goes) hit = larger_of(hit, (free_cell & row.on_circle(i) & ~was_on) ? one : zero);
     });
     store_lines(shear.table, slot, 5, {total(x), total(y), total(xx), total(xy), total(yy), most(hit)});
 }

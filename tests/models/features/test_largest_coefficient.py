@@ -15,10 +15,10 @@ from warpwear.grid import Grid
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 from warpwear.laws.film import Film, grown_cap
+from warpwear.laws.form import Ball
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
-from warpwear.surfaces.form import Ball
 
 TAU, MU, RADIUS = 200.0, 0.4, 5.0
 LAWS = [SlidingContact, pytest.param(SlidingHalfSpace, marks=pytest.mark.transforms)]

@@ -6,8 +6,8 @@ import reference
 
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
+from warpwear.laws.form import Form
 from warpwear.laws.task import ContactTask
-from warpwear.surfaces.form import Form
 
 COAT = DepthProfile(
     (0.0, 2.0e-3, 2.5e-3),

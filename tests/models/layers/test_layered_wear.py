@@ -19,10 +19,10 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
 from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 from warpwear.laws.film import Film
+from warpwear.laws.form import Ball
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
-from warpwear.surfaces.form import Ball
 
 Contact = SlidingContact | SlidingHalfSpace
 
@@ -137,7 +137,7 @@ def test_a_half_space_at_rest_is_that_of_the_dense_matrix(
     assert any(0.0 < part < 1.0 for part in wears_through)
     for body, profile, depth in zip(("counter", "disc"), profiles, worn, strict=True):
         if len(profile.materials) > 1 and not profile.graded:
-            parts = profile.parts(depth).sum(axis=(1, 2)) * grid.cell_area
+            parts = profile.lost_of_each(depth).sum(axis=(1, 2)) * grid.cell_area
             volumes = [step.row[f"wear_volume_{body}_{m.name}"] for m in profile.materials]
             assert_allclose(volumes, parts, rtol=1e-5)
 
@@ -223,7 +223,7 @@ def test_on_a_track_all_exposures_are_the_load_times_the_distance(law: type[Cont
     exposures = COAT.exposure(wear).sum() * TRACK.cell_area
     assert exposures == pytest.approx(40.0 * slid_by_track, rel=1e-12)
     assert wear.max() > COAT.depths[-1]
-    parts = COAT.parts(wear).sum(axis=(1, 2)) * TRACK.cell_area / 0.25
+    parts = COAT.lost_of_each(wear).sum(axis=(1, 2)) * TRACK.cell_area / 0.25
     volumes = [step.row[f"wear_volume_disc_{material.name}"] for material in COAT.materials]
     assert_allclose(volumes, parts, rtol=1e-11)
 

@@ -12,7 +12,7 @@ from warpwear.contact.half_space.influence import BOUNDARIES
 from warpwear.engine.staging import each
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.form import Form, form_of
+from warpwear.laws.form import Form, form_of
 
 #: Sizes of numbers whose squares and products stay far from what float64 cannot hold.
 LARGEST = 1e100

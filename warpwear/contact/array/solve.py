@@ -39,7 +39,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.bearing import TIE
 from warpwear.kernels.cells import LANES, Cells
 from warpwear.kernels.half_space.solve import Fields, SearchRules
-from warpwear.surfaces.form import Form
+from warpwear.laws.form import Form
 
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9

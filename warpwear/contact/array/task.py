@@ -16,7 +16,7 @@ from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
 from warpwear.grid import FloatArray, Grid, blocks_of_rows
 from warpwear.kernels.cells import PADDING
-from warpwear.surfaces.form import Form
+from warpwear.laws.form import Form
 
 #: Cells looked at together, which stay in the cache of a core.
 TOGETHER = 2**16

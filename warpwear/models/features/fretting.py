@@ -86,7 +86,7 @@ class CyclicSlip(Feature, name="fretting"):
         if math.isnan(self._approach):
             self.note(host.solve())
         self._look(host.gap, host.slides)
-        host.slides.set(ahead=self._ahead(increment), **self.wears(removals))
+        host.slides.set(growth_ahead=self._ahead(increment), **self.wears(removals))
         if self.yields is not None:
             fields = self.slips, self.grown, self.yields
             launch_once(self._executor, wear_from_pressure.yields, host.slides.array, *fields)

@@ -89,7 +89,7 @@ class TwoScaleModel(Model):
             areas=(rows, count),
         )
         follows = task.uses_bulk_stiffness and task.bulk_updated and isinstance(task.bulk_stiffness, str)
-        self._now = Numbers(kernels.Now, device)
+        self._now = Numbers(kernels.CurrentStep, device)
         self._steps = arguments(
             kernels.Steps,
             device,

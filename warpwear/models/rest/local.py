@@ -20,7 +20,7 @@ from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Entry, Ledger, Step, divided
+from warpwear.history.recorder import Entry, Ledger, Step, split_wear
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
@@ -46,7 +46,7 @@ SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 def foresee(task: ContactTask, executor: Executor) -> None:
     """Begin to compile the kernels of a model, which may be made later, of the same task."""
     of_law = (bearing.counted_below, wear.judge_area) if task.rigid else (balance.carried, wear.judge)
-    listing = contact.gap, balance.select, balance.listed
+    listing = contact.gap, balance.select, balance.check_list
     steps = *of_law, wear.wear_step, wear.record, balance.pressures
     executor.foresee([*listing, *steps], together=True)
 
@@ -94,7 +94,7 @@ class OneScaleModel(Model):
             plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
             history=(LONGEST_ON_GPU, columns),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
-            course=self._course.array,
+            memory=self._course.array,
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
@@ -213,7 +213,7 @@ class OneScaleModel(Model):
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
-        total, most = (divided(part, self.task.wear_fractions) for part in (total, most))
+        total, most = (split_wear(part, self.task.wear_fractions) for part in (total, most))
         removed, balance = np.array(removals)[:count].T, Balance(base, offset, cap, residual, *others[:-1])
         steps = Entry(balance, np.array(increments[:count]), tuple(removed), others[-1], total, most)
         return booked(self._ledger, steps, self._enter)

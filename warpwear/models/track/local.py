@@ -43,7 +43,7 @@ KEPT = {
     **dict.fromkeys(("worn_disc", "pressed_disc"), InFrame("disc")),
 }
 #: Columns of the history on the device.
-COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding_steps.KEPT, *sliding_steps.LAST)
+COLUMNS = (*BALANCE, *SUMS, *(f"most_{n}" for n in MAXIMA), *sliding_steps.ROW_SUMS, *sliding_steps.LAST)
 
 
 class SlidingContact:
@@ -112,17 +112,17 @@ class SlidingContact:
             self._slides.array,
             self.features,
             least=SPARE * fully,
-            stays=wears_alone and not moves,
+            keeps_gap=wears_alone and not moves,
         )
         self.features.refresh = self.tiles.refresh
         self.ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Steps of a replay at most.
         self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
-        self._make_steps(stays=wears_alone and not moves)
+        self._make_steps(reuses_list=wears_alone and not moves)
         self._make_programs(bodies, self._make_sums(with_gaps=wears_alone))
 
-    def _make_steps(self, *, stays: bool) -> None:
-        """Make the plan, the history and the memory of steps. stays: whether a list may serve several."""
+    def _make_steps(self, *, reuses_list: bool) -> None:
+        """Make plan, history and memory of steps. reuses_list: whether a list may serve several of them."""
         executor, device = self._executor, self._executor.device
         #: What the steps on the device remember.
         self._course = Numbers(sliding_steps.SlidingMemory, device, extents=[NO_INDEX] * 4)
@@ -134,10 +134,10 @@ class SlidingContact:
             history=(self.longest, len(self.features.columns)),
             within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
-            course=self._course.array,
+            memory=self._course.array,
             slides=self._slides.array,
             moves=int(self._moves),
-            stays=int(stays),
+            reuses_list=int(reuses_list),
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.features),
         )
@@ -153,7 +153,7 @@ class SlidingContact:
         executor, tiles, nx = self._executor, self.tiles, self._executor.grid.nx
         # Cells of the ball ever touched, wear of the ball, of the disc, what is displaced of the disc.
         rows = nx, nx, self.state.disc.shape[0], self.state.plastic_disc.shape[0]
-        sizes = dict(zip(sliding_steps.KEPT, rows, strict=True))
+        sizes = dict(zip(sliding_steps.ROW_SUMS, rows, strict=True))
         self._kept = {n: PerTile(size, executor.tiles_per_row, executor.device) for n, size in sizes.items()}
         row_sums = arguments(RowSums, executor.device, **sizes)
         self._totals = {name: getattr(row_sums, name) for name in sizes}
@@ -290,7 +290,7 @@ class SlidingContact:
             "shear_counter": depths[0],
             "shear_disc": track * depths[1],
             **task.shear_ratios,
-            "full_depth": self._full_depth(own, k_counter, k_disc) if task.keeps_dents else NO_LIMIT,
+            "yield_depth": self._yield_depth(own, k_counter, k_disc) if task.keeps_dents else NO_LIMIT,
         }
         for name, values in steps.items():
             self._planned[name][: len(rows)] = values
@@ -304,7 +304,7 @@ class SlidingContact:
             self._begin_at({name: values[0] for name, values in self._planned.items()})
         return np.stack([counter, disc, *depths], axis=1)[:count], rigid
 
-    def _full_depth(self, own: float, counter: FloatArray, disc: FloatArray) -> FloatArray:
+    def _yield_depth(self, own: float, counter: FloatArray, disc: FloatArray) -> FloatArray:
         """Return the overlap of a cell at the hardness [mm]. own, counter, disc: what lends it compliance."""
         task = self.task
         knots = task.knots if len(task.knots) else np.ones((1, 3))
@@ -335,7 +335,7 @@ class SlidingContact:
         there = {"rubbed": self.task.shears, "wearing_counter": len(self.task.knots) > 0}
         absent = OF_FEATURES.union(name for name, is_there in there.items() if not is_there)
         total = {name: columns[name] for name in SUMS if name not in absent}
-        total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
+        total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.ROW_SUMS}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}
         most |= {name: columns[name] for name in ("first_row", "last_row")}
         self._programs.features.enter(columns, total, most)

@@ -66,14 +66,14 @@ class SweptModel(Model):
 
     def switch_track(self, before: Track) -> None:
         """Begin with the first step of this track, on a disc that has slid over another one before."""
-        self.contact.ledger.rebase(before.track_fraction)
+        self.contact.ledger.switch_stroke(before.track_fraction)
         self._done = 0
 
     def switch_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
         """Begin with the first step on another circle of the disc, see `Circles` of `runs/loop.py`."""
         self.contact.forget()
         self._done = 0
-        return self.contact.ledger.leave(booked)
+        return self.contact.ledger.switch_circle(booked)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""

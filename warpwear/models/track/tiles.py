@@ -52,8 +52,8 @@ class SlidingTiles(TileList):
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
     surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. features:
-    which know what cells have of their own. stays: whether the disc lies still and nothing but the pass that
-    wears changes a gap, which is made once then.
+    which know what cells have of their own. keeps_gap: whether the disc lies still and nothing but the pass
+    that wears changes a gap, which is made once then.
     """
 
     STATE: ClassVar = {
@@ -70,7 +70,7 @@ class SlidingTiles(TileList):
         features: Features,
         *,
         least: float,
-        stays: bool = False,
+        keeps_gap: bool = False,
     ) -> None:
         super().__init__(executor, least=least, limit=-NO_LIMIT, asked=-NO_LIMIT)
         self._bodies, self._slides = bodies, slides
@@ -95,7 +95,7 @@ class SlidingTiles(TileList):
             lowest=self.lowest.vectors,
             highest=self.highest.vectors,
             gap=self.gap.vectors,
-            stays=int(stays),
+            keeps_gap=int(keeps_gap),
         )
 
     def add_to(self, program: Program) -> None:
@@ -109,7 +109,7 @@ class SlidingTiles(TileList):
             )
             self.make_listed(program)
             program.decide(
-                sliding.listed, self.lists.array, self.listing, self._depth, self.count, self._least
+                sliding.check_list, self.lists.array, self.listing, self._depth, self.count, self._least
             )
 
     def restored(self) -> None:
@@ -120,7 +120,7 @@ class SlidingTiles(TileList):
     def make_listed(self, program: Program) -> None:
         """Make what the cells listed have of their own, in a program, where a list serves several steps."""
         unlike = self.features.cells.material is not None or self.features.sources.stiffens == 1
-        if self._bounds.stays and unlike:
+        if self._bounds.keeps_gap and unlike:
             place = self._slides, self.features.sources, self.features.cells
             program.launch(film.make, self.list, self.count, *place, chunks=lambda: self.chunks)
 
@@ -138,7 +138,7 @@ class SlidingTiles(TileList):
         highest = np.minimum(self.highest.to_numpy(), self.highest_of_row.numpy()[:, None])
         below, above = lowest[:, :tiles] - counter, disc - highest[:, :tiles]
         worst = max(float(below.max()), float(above.max()))
-        if self._bounds.stays:  # gaps, too, stay as they were made
+        if self._bounds.keeps_gap:  # gaps, too, stay as they were made
             rows = (np.arange(nx) + self._slides.numpy()["shift"][0]) % disc.shape[0]
             now = tile_extremes(np.minimum, bodies.counter.numpy() - bodies.disc.numpy()[rows])
             known = self.gap.to_numpy()[:, :tiles]
