@@ -1,7 +1,7 @@
 """What a run leaves beside its HDF5 file: the study, the history and the summary as text."""
 
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -43,7 +43,12 @@ def write_tables(folder: Path, result: ResultFile) -> list[Row]:
     return rows
 
 
-def write_summary(folder: Path, rows: Iterable[Row]) -> None:
-    """Write summary.json into a folder, at once in place of an older one. rows: as of `summarise`."""
+def write_summary(folder: Path, rows: Sequence[Row], seconds: Mapping[str, float] | None = None) -> None:
+    """Write summary.json into a folder, at once in place of an older one.
+
+    rows: as of `summarise`. seconds: that the run took by the phase's name, where they are not among these.
+    """
+    if seconds is not None:
+        rows = [*rows[:-1], Row("", "seconds", seconds), rows[-1]]
     with replacing(folder / "summary.json") as new:
         new.write_text(f"{to_json(record(rows))}\n", encoding="utf-8")

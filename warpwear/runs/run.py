@@ -21,7 +21,6 @@ from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.report import Row
 from warpwear.results.seal import HEADER, sealing
-from warpwear.results.summary import with_seconds
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
@@ -163,7 +162,7 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     shared = options.progress if isinstance(options.progress, Progress) else None
     progress = shared or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
-    with clock.running(), nullcontext() if shared else progress:
+    with clock.running(), report_out_of_memory(order.study.cells), nullcontext() if shared else progress:
         if options.out is not None:
             run_folder.check(options.out, overwrite=options.overwrite, resume=options.resume)
             if options.resume and run_folder.is_finished(options.out, order):
@@ -179,7 +178,7 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
             if options.out is not None:
                 result.at_hand = {}
                 if rows is not None:
-                    write_summary(options.out, with_seconds(rows, result.seconds))
+                    write_summary(options.out, rows, result.seconds)
     return result
 
 
@@ -192,7 +191,6 @@ def _compute(
     """
     study, rows = order.study, None
     with (
-        report_out_of_memory(study.cells),
         order.arrangement.executor(study, device=options.device, threads=options.threads) as executor,
         run_folder.working_in(options.out, overwrite=options.overwrite, resume=options.resume) as work,
     ):
