@@ -47,12 +47,14 @@ def test_theories_beside_flats() -> None:
     assert [*found] == ["computed: half-space, no hardness", "Persson", "Greenwood and Williamson"]
     np.testing.assert_allclose(found["computed: half-space, no hardness"], [[3, 3], [10, 10], [30, 30]])
     study = Study.load("v3-fine").replace(FLAT)
-    assert study.effective_modulus is not None
+    assert study.pair.effective_modulus is not None
     from warpwear.study.surface import surface_in
 
     slope = surface_in(study).record()["rms_slope"]
     load, area = found["Persson"].T
-    expected = [0.16 * math.erf(math.sqrt(2.0) * f / 0.16 / (study.effective_modulus * slope)) for f in load]
+    expected = [
+        0.16 * math.erf(math.sqrt(2.0) * f / 0.16 / (study.pair.effective_modulus * slope)) for f in load
+    ]
     np.testing.assert_allclose(area, 1e3 * np.array(expected), rtol=1e-6)
 
 

@@ -43,7 +43,7 @@ def test_hertz_of_a_study(across: str, device: str) -> None:
     assert study.contact.load == PER_LENGTH * width
     hertz = study.hertz
     assert hertz is not None
-    modulus = study.effective_modulus
+    modulus = study.pair.effective_modulus
     half = math.sqrt(4.0 * PER_LENGTH * RADIUS / (math.pi * modulus))
     assert hertz.radius == pytest.approx(half, rel=1e-12)
     peak = math.sqrt(PER_LENGTH * modulus / (math.pi * RADIUS))

@@ -219,7 +219,7 @@ def test_a_half_space_wears_by_shear_as_its_contact_says(device: str) -> None:
     gap = np.array(warpwear.run(study.replace({"sliding.distance": "0 mm"})).snapshot(-1).gap)
     depth = 1e-3 * sum(ALPHA) * STRENGTH * 2.0
     for step in range(3):
-        how = {"load": 8.0, "modulus": study.effective_modulus, "boundary": "free"}
+        how = {"load": 8.0, "modulus": study.pair.effective_modulus, "boundary": "free"}
         contact = warpwear.solve_contact(-gap, cell=study.grid.cell, **how)
         rubs = np.where(contact.pressure > 0.0, 1.0, np.clip(1.0 - contact.gap / depth, 0.0, 1.0))
         area = rubs.sum() * study.cells.cell_area

@@ -50,7 +50,7 @@ class Dense:
 
     def __post_init__(self) -> None:
         self.boundary = self.study.boundary
-        modulus = self.study.effective_modulus
+        modulus = self.study.pair.effective_modulus
         assert modulus is not None
         of_unit = {"free": cases_half_space.dense_free, "periodic": cases_half_space.dense_periodic}
         self.elastic = of_unit[self.boundary](GRID) * cases_half_space.MODULUS / modulus

@@ -65,8 +65,8 @@ def plain(study: Study, rows: list[int], *, periodic: bool = False) -> dict[str,
     sag, slip = reference.counter_gap(GRID.x, GRID.y, RADIUS), track.stroke / track.cells
     matrix = None
     if half_space:
-        assert study.effective_modulus is not None
-        matrix = cases_half_space.dense_free(GRID) * cases_half_space.MODULUS / study.effective_modulus
+        assert study.pair.effective_modulus is not None
+        matrix = cases_half_space.dense_free(GRID) * cases_half_space.MODULUS / study.pair.effective_modulus
     for row in rows:
         beneath = (row + np.arange(SIDE)) % track.rows
         gap = sag + wear_counter + wear_disc[beneath]

@@ -18,7 +18,6 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.half_space import SlidingHalfSpace
-from warpwear.study.text import to_marked_toml
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
@@ -141,7 +140,7 @@ def test_every_step_wears_what_its_pressure_says() -> None:
 def test_cells_wear_by_the_k_of_their_own_pressure(width: str) -> None:
     """Each step is the contact of cells whose compliance is K(p) ΔL, given to the solver as numbers."""
     asked = study(**(TRANSITION | {"wear__transition_width": width}))
-    grid, modulus, cap = asked.cells, asked.effective_modulus, asked.hardness
+    grid, modulus, cap = asked.cells, asked.pair.effective_modulus, asked.hardness
     assert modulus is not None
     pieces = []
     heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
@@ -268,9 +267,9 @@ def test_keys_of_the_other_law_are_told() -> None:
     assert again.boundary == "free"
     # Shown as assumed, and still open: a flat in the counter-body's place gets its own.
     for radius, boundary in (("3 mm", "free"), ("inf mm", "periodic")):
-        shown = to_marked_toml(again.replace({"counter.radius": radius, "sliding.distance": "0 mm"}))
+        shown = again.replace({"counter.radius": radius, "sliding.distance": "0 mm"}).to_toml(marked=True)
         assert re.search(rf'^boundary = "{boundary}" +# ASSUMED: ', shown, re.MULTILINE)
     given = study(contact__boundary="free")
-    assert re.search(r'^boundary = "free"$', to_marked_toml(given), re.MULTILINE)
-    assert "boundary" not in to_marked_toml(study(contact__law="local"))
+    assert re.search(r'^boundary = "free"$', given.to_toml(marked=True), re.MULTILINE)
+    assert "boundary" not in study(contact__law="local").to_toml(marked=True)
     assert math.isinf(again.stiffness)

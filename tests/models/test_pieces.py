@@ -88,7 +88,7 @@ def test_what_is_worn_and_what_is_pending_are_archards_volume_at_every_step(
         assert left.size == pytest.approx(history[f"pieces_{body}"].sum() * of_stroke, abs=1e-6)
         dust = study.wear.dust_fraction * asked[-1]
         assert worn[-1] == pytest.approx(dust + left.sum() / of_stroke, rel=1e-9)
-        assert np.all(left <= study.pieces.volume(study.grid.cell) * (1.0 + 1e-9))
+        assert np.all(left <= study.pair.pieces.volume(study.grid.cell) * (1.0 + 1e-9))
     assert history["pieces_counter"].sum() > 20
     assert np.all(np.diff(pieces["step"]) >= 0.0)
     assert np.all((pieces["diameter"] > 0.0) & (pieces["diameter"] <= 20e-3 * (1.0 + 1e-9)))
@@ -134,14 +134,16 @@ def test_pieces_of_a_cell_are_archards_dust() -> None:
         contact__hardness="590 MPa",
     )
     # stable, as explicit steps must be: 1.12 h/E* (at 5 µm cells)
-    assert study.effective_modulus is not None
-    assert 2.0 * wear * increment <= 1.12 * study.grid.cell / study.effective_modulus
+    assert study.pair.effective_modulus is not None
+    assert 2.0 * wear * increment <= 1.12 * study.grid.cell / study.pair.effective_modulus
     found = warpwear.run(study).history["area_contact"]
     grid = study.cells
     with Executor(grid) as executor:
         bodies = SlidingBodies.of(study.contact_task, executor, surface_in(study).heights(grid.x, grid.y))
         gap = executor.to_numpy(bodies.counter) - executor.to_numpy(bodies.disc)
-        half_space = HalfSpace(executor, modulus=study.effective_modulus, boundary="free", hardness=590.0)
+        half_space = HalfSpace(
+            executor, modulus=study.pair.effective_modulus, boundary="free", hardness=590.0
+        )
         expected = []
         for _ in found:
             contact = half_space.solve(executor.field(gap), mean_pressure=study.contact.load / grid.area)
@@ -237,13 +239,13 @@ def test_critical_pieces_are_those_of_the_softer_body() -> None:
         poisson=0.29,
         strength=2000.0 / (3.0 * np.sqrt(3.0)),
     )
-    assert study.pieces.diameter == pytest.approx(expected, rel=1e-12)
+    assert study.pair.pieces.diameter == pytest.approx(expected, rel=1e-12)
     (sentence,) = (s for s in study.notices() if "critical" in s)
     assert "2000 MPa" in sentence
     assert f"d* = {1e3 * expected:.3g} µm" in sentence
     assert f"{1e3 * expected / 1.44:.3g} µm or {1e3 * expected / 0.64:.3g} µm" in sentence
     harder = study.replace({"contact.hardness": "900 MPa"})
-    assert harder.pieces == study.pieces
+    assert harder.pair.pieces == study.pair.pieces
 
 
 def test_pieces_of_a_run_are_shown(tmp_path: Path) -> None:

@@ -80,14 +80,14 @@ class Plain:
         study = self.study
         load, hardness = study.contact.load, study.hardness
         removal = [law.wear_per_pressure(0.0, increment) for law in study.wear_laws]
-        c = 1.0 / study.stiffness + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
+        c = 1.0 / study.pair.stiffness + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
         gap = self.counter - self.disc[beneath]
         if study.wear.law == "transition":
             at = study.wear_laws[0].over_pressure[0]
             lent = np.sum([increment * np.array(law.over_pressure[1]) for law in study.wear_laws], axis=0)
-            contact = reference.stretched(gap, 1.0 / study.stiffness, (at, lent), load, hardness, CELL)
+            contact = reference.stretched(gap, 1.0 / study.pair.stiffness, (at, lent), load, hardness, CELL)
             removal = [increment * np.interp(contact.pressure, *law.over_pressure) for law in study.wear_laws]
-            c = 1.0 / study.stiffness + np.interp(hardness, at, lent)
+            c = 1.0 / study.pair.stiffness + np.interp(hardness, at, lent)
         elif c > 0.0:
             contact = reference.foundation(gap, c, load, hardness, CELL)
         else:

@@ -134,15 +134,15 @@ def test_unworn_heights_of_a_track_are_those_of_its_surface() -> None:
 def test_junctions_above_the_pieces_diameter_count() -> None:
     """Where bodies wear in pieces d* is theirs; else that of eq 2.3; without either there is no share."""
     study = Study.load("v3-fine")
-    assert study.critical_diameter == study.critical_junction
-    assert study.replace({"junctions.surface_energy": None}).critical_diameter is None
+    assert study.pair.critical_diameter == study.pair.critical_junction
+    assert study.replace({"junctions.surface_energy": None}).pair.critical_diameter is None
     pieces = Study.load("running-in")
-    assert pieces.critical_diameter == 0.02 != pieces.critical_junction
+    assert pieces.pair.critical_diameter == 0.02 != pieces.pair.critical_junction
 
 
 def test_the_share_above_is_that_of_the_islands(result: Result) -> None:
     found = surface_evolution(result)
-    diameter = result.study.critical_junction
+    diameter = result.study.pair.critical_junction
     assert diameter is not None
     for share, areas in zip(found.table["share_above_critical"], found.island_areas, strict=True):
         large = areas > np.pi / 4.0 * diameter**2

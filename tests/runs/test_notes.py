@@ -113,6 +113,6 @@ def test_a_size_of_cells_that_would_do_divides_the_domain() -> None:
 def test_the_hardest_layer_says_what_shear_is_borne() -> None:
     """A coat of 20 GPa under a ball of 7.3 GPa bears what the ball does, not what steel below it would."""
     study = Study.load("coat")
-    assert study.shear_limit == pytest.approx(study.counter.hardness / (3.0 * math.sqrt(3.0)), rel=1e-12)
+    assert study.pair.shear_limit == pytest.approx(study.counter.hardness / (3.0 * math.sqrt(3.0)), rel=1e-12)
     softer = study.replace({"disc.hardness": "1 GPa", "disc.layers": None})
-    assert softer.shear_limit == pytest.approx(1000.0 / (3.0 * math.sqrt(3.0)), rel=1e-12)
+    assert softer.pair.shear_limit == pytest.approx(1000.0 / (3.0 * math.sqrt(3.0)), rel=1e-12)

@@ -88,9 +88,9 @@ def test_the_summary_tells_them(result: Result) -> None:
 
 
 def test_a_third_of_the_hardness_yields_where_nothing_is_given() -> None:
-    assert study_of().yield_strength == 2000.0
-    assert study_of(disc={"hardness": None}, contact={"hardness": "3 GPa"}).yield_strength == 1000.0
-    assert study_of(disc={"hardness": None}, contact={"hardness": "inf MPa"}).yield_strength is None
+    assert study_of().pair.yield_strength == 2000.0
+    assert study_of(disc={"hardness": None}, contact={"hardness": "3 GPa"}).pair.yield_strength == 1000.0
+    assert study_of(disc={"hardness": None}, contact={"hardness": "inf MPa"}).pair.yield_strength is None
 
 
 def test_depths_of_themselves() -> None:

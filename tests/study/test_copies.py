@@ -4,12 +4,14 @@ import copy
 import pickle
 import tomllib
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
+from pydantic import BaseModel
 
 from warpwear import Study
+from warpwear.study import study as study_module
 from warpwear.study.loading import presets
-from warpwear.study.text import assumptions
 
 COPIES: dict[str, Callable[[Study], Study]] = {
     "pickle": lambda study: pickle.loads(pickle.dumps(study)),
@@ -58,8 +60,39 @@ def test_derived_values_of_a_changed_copy_are_its_own() -> None:
     assert (study.hertz, study.cells, study.wear_laws, study.hardness) == before
 
 
+@pytest.mark.parametrize("deep", [False, True])
+def test_a_changed_copy_makes_anew_what_follows_from_its_sections(deep: bool) -> None:
+    study = Study.load("v3-fine")
+    study.notices()  # makes most of what follows
+    law = study.contact.model_copy(update={"law": "half-space", "hardness": 1000.0})
+    changed = study.model_copy(update={"contact": law}, deep=deep)
+    assert changed.pair.caps == (1000.0, 1000.0) != study.pair.caps
+    assert changed.parts[0].contact_task.half_space
+    assert "contact.stiffness" in changed.unused_keys.keys() - study.unused_keys.keys()
+
+
+def test_what_is_filled_in_stands_in_new_sections_and_is_not_given() -> None:
+    """Sections that a user made stay as they were, and nobody writes past what makes them frozen."""
+    body = Study.load("v1").counter
+    assert body.material
+    assert body.young
+    assert "young" not in body.model_fields_set
+    blocks = [{"load": "4 N", "distance": "30 mm"}, {"load": "8 N", "distance": "60 mm"}]
+    study = Study.load("v3-fine").replace({"block": blocks})
+    assert study.sliding.distance == 90.0
+    assert "sliding.distance" not in study.given_keys
+    sources = (Path(study_module.__file__).parent).rglob("*.py")
+    assert not [path for path in sources if "__dict__" in path.read_text(encoding="utf-8")]
+
+
+def test_a_study_shows_few_names_of_its_own() -> None:
+    """What follows from both bodies is their pair's; what one section says is that section's."""
+    own = [name for name in dir(Study) if name[0] != "_" and not hasattr(BaseModel, name)]
+    assert len(own) <= 60
+
+
 def test_a_key_that_is_left_open_again_is_as_if_never_given() -> None:
     """Its assumption is told, as of a study that never had it."""
     study = Study.load("running-in").replace({"sliding.shift": None})
     assert COPIES["text"](study).to_toml() == study.to_toml()
-    assert "sliding.shift" in assumptions(study)
+    assert "sliding.shift" in study.assumptions

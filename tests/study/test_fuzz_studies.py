@@ -21,7 +21,6 @@ from warpwear.cli.main import main
 from warpwear.laws.track import increments
 from warpwear.study.keys import declarations
 from warpwear.study.loading import presets
-from warpwear.study.text import to_marked_toml
 
 PRESETS = {
     name: (resources.files("warpwear") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
@@ -74,7 +73,7 @@ def study_or_sentence(make: Any) -> Study | None:
             check_sentence(error)
             return None
         assert all(notice.isprintable() for notice in study.notices())
-        to_marked_toml(study)
+        study.to_toml(marked=True)
         again = Study(**tomllib.loads(study.to_toml()))
         assert again.to_toml() == study.to_toml()  # keys that do not apply are not in it
         assert again.uses_bearing_area == study.uses_bearing_area

@@ -14,7 +14,6 @@ from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.history.quantities import columns_of
 from warpwear.study import rules_track
 from warpwear.study.rules_track import extent_for, worn_widths
-from warpwear.study.text import to_marked_toml
 
 COAT: dict[str, Any] = {"name": "dlc", "thickness": "2 um", "wear": "2e-7 mm^3/N/m"}
 BOND: dict[str, Any] = {"name": "bond_1", "thickness": "0.5 um", "wear": "4e-4 mm^3/N/m"}
@@ -55,7 +54,7 @@ def test_a_key_of_a_layer_has_its_number() -> None:
 def test_a_layered_study_is_written_and_read_without_loss() -> None:
     study = layered(BARE, COAT | {"shear_strength": "60 MPa"}, BOND)
     assert Study(**tomllib.loads(study.to_toml())) == study
-    marked = to_marked_toml(study)
+    marked = study.to_toml(marked=True)
     assert '[[disc.layers]]\nname = "dlc"\nthickness = "2 um"' in marked
     assert tomllib.loads(marked)["disc"]["layers"][1]["name"] == "bond_1"
 
@@ -75,7 +74,7 @@ def test_a_cap_is_that_of_the_softer_material(
     """Of the unworn surfaces first: those are the numbers of a plain run."""
     given = {"contact.hardness": None, "counter.hardness": counter, "disc.hardness": disc}
     study = layered(given, COAT | {"hardness": coat})
-    assert study.cell_caps == pytest.approx(caps)
+    assert study.pair.cell_caps == pytest.approx(caps)
     assert study.contact_task.hardness == pytest.approx(caps[0])
     assert study.contact_task.least_hardness == pytest.approx(min(caps))
     assert study.hardness == pytest.approx(max(caps))
@@ -94,7 +93,7 @@ def test_a_gradient_is_read_from_a_file_and_kept_in_the_study(tmp_path: Path) ->
     study = Study.load(tmp_path / "study.toml").replace(plain)
     (tmp_path / "case.csv").unlink()
     again = Study(**tomllib.loads(study.to_toml()))
-    _, profile = again.profiles or ()
+    _, profile = again.pair.profiles or ()
     assert profile.graded
     assert profile.depths == pytest.approx((0.0, 1.0e-2, 4.0e-2))
     assert [m.wear for m in profile.materials] == pytest.approx([2e-7, 4e-7, 1.27e-6])
@@ -146,7 +145,7 @@ def test_a_host_that_does_not_follow_layers_refuses_them(monkeypatch: pytest.Mon
 
 
 def test_loads_of_patches_that_are_prescribed_refuse_layers() -> None:
-    assert layered(preset="two-scale").profiles
+    assert layered(preset="two-scale").pair.profiles
     with pytest.raises(InputError, match=r"does not go with patches\.coupling = 'load', which prescribes"):
         layered({"patches.coupling": "load"}, preset="two-scale")
 
@@ -208,10 +207,10 @@ def test_a_layer_as_strong_as_the_body_has_no_column_of_its_own() -> None:
 
 def test_a_shear_strength_says_which_cells_have_another() -> None:
     study = Study.load("coat")
-    assert study.other_shear == ", layers by their own"
+    assert study.pair.other_shear == ", layers by their own"
     bound = study.replace({"friction.largest_coefficient": 0.3})
-    assert bound.other_shear == ", layers by their own, at most 0.3 of the pressure of a cell"
+    assert bound.pair.other_shear == ", layers by their own, at most 0.3 of the pressure of a cell"
     film = {"thickness": "10 nm", "shear_strength": "40 MPa"}
     plain = Study.load("v3-fine").replace({"friction.shear_strength": "172 MPa"})
-    assert plain.other_shear == ""
-    assert plain.replace({"friction.film": film}).other_shear == ", film 40 MPa"
+    assert plain.pair.other_shear == ""
+    assert plain.replace({"friction.film": film}).pair.other_shear == ", film 40 MPa"

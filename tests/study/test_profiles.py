@@ -10,7 +10,6 @@ import warpwear
 from warpwear import Study
 from warpwear.batches.points import points_of
 from warpwear.errors import InputError
-from warpwear.study.keys import files_of
 from warpwear.study.surface import surface_in
 
 STEP = 0.002
@@ -79,7 +78,7 @@ def test_bad_discs(folder: Path, disc: str, what: str) -> None:
 
 def test_a_changed_profile_is_another_run(folder: Path) -> None:
     before = study(folder, LIKE)
-    assert files_of(before) == {"disc.synthetic.like": str(folder / "p.csv")}
+    assert before.files == {"disc.synthetic.like": str(folder / "p.csv")}
     names = []
     for end in ("", "3,0\n"):
         with (folder / "p.csv").open("a", encoding="utf-8") as file:

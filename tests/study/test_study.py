@@ -11,7 +11,6 @@ import pytest
 from warpwear import Study
 from warpwear.study.keys import declarations
 from warpwear.study.loading import presets
-from warpwear.study.text import assumptions, to_marked_toml
 
 
 @pytest.mark.parametrize("name", presets())
@@ -19,7 +18,7 @@ def test_presets_come_back_from_their_own_text(name: str) -> None:
     study = Study.load(name)
     again = Study(**tomllib.loads(study.to_toml()))
     assert again.model_dump(exclude={"assumed"}) == study.model_dump(exclude={"assumed"})
-    assert assumptions(again) == assumptions(study)
+    assert again.assumptions == study.assumptions
     assert study.study.name == name
     step = [notice for notice in study.notices() if "the area in contact depends on its length" in notice]
     assert study.notices() == step
@@ -48,7 +47,7 @@ def test_the_presets_are_the_thesis() -> None:
 
 
 def test_show_marks_what_the_thesis_does_not_give() -> None:
-    shown = to_marked_toml(Study.load("v3"))
+    shown = Study.load("v3").to_toml(marked=True)
     assert re.search(r'^hardness = "590 MPa" +# ASSUMED: not in the thesis', shown, re.MULTILINE)
     assert re.search(r'^stiffness = "inf N/mm\^3" +# ASSUMED', shown, re.MULTILINE)
     assert re.search(r'^load = "8 N"$', shown, re.MULTILINE)
@@ -57,8 +56,8 @@ def test_show_marks_what_the_thesis_does_not_give() -> None:
     assert tomllib.loads(shown)["contact"]["load"] == "8 N"  # marks are comments: the text is a study
     # What a user sets is no longer assumed.
     given = Study.load("v3").replace({"contact.hardness": "1800 MPa"})
-    assert "contact.hardness" in assumptions(Study.load("v3"))
-    assert "contact.hardness" not in assumptions(given)
+    assert "contact.hardness" in Study.load("v3").assumptions
+    assert "contact.hardness" not in given.assumptions
 
 
 def test_replacing_one_way_of_saying_drops_the_other() -> None:
@@ -111,10 +110,10 @@ def test_a_material_fills_what_is_not_given() -> None:
     assert v1.hertz.peak_pressure == pytest.approx(1255.0, rel=1e-3)
     assert v1.hertz.approach == pytest.approx(1.014e-3, rel=1e-3)
     assert v1.hertz.area == pytest.approx(0.00956, rel=1e-3)
-    assert "Inconel 718" in assumptions(v1)["counter.young"]
+    assert "Inconel 718" in v1.assumptions["counter.young"]
     given = v1.replace({"counter.young": "210 GPa"})
     assert given.counter.elastic == (210e3, 0.29)
-    assert "counter.young" not in assumptions(given)
+    assert "counter.young" not in given.assumptions
     # Another material brings its own constants, also into what was read back from a resolved text.
     back = Study(**tomllib.loads(given.to_toml())).replace({"counter.material": "alumina"})
     assert back.counter.elastic == Study.load("v1").replace({"counter.material": "Al2O3"}).counter.elastic
@@ -126,7 +125,7 @@ def test_the_macro_model_has_a_cell_of_its_own_and_no_cap() -> None:
     study = Study(**sections)
     assert study.grid.cell == pytest.approx(0.01)
     assert study.hardness == float("inf")
-    assert re.search(r'^cell = "10 um" +# default', to_marked_toml(study), re.MULTILINE)
+    assert re.search(r'^cell = "10 um" +# default', study.to_toml(marked=True), re.MULTILINE)
     assert study.replace({"contact.hardness": "590 MPa"}).hardness == pytest.approx(590.0)
 
 
@@ -138,7 +137,7 @@ def test_foundations_match_one_of_hertz_values(match: str, constant: float) -> N
     """π K_N R δ² = F: the area 2πRδ, the peak K_N δ or the approach δ itself is Hertz's."""
     study = Study.load("v1").replace({"contact.bulk_stiffness": match, "stepping.scheme": "implicit"})
     assert study.hertz is not None
-    stiffness = study.stiffness
+    stiffness = study.pair.stiffness
     assert stiffness == pytest.approx(constant * study.hertz.modulus / study.hertz.radius, rel=1e-12)
     delta = np.sqrt(8.0 / (np.pi * stiffness * 3.0))
     found = {"area": 2.0 * np.pi * 3.0 * delta, "pressure": stiffness * delta, "approach": delta}
@@ -176,11 +175,11 @@ def test_the_hardness_defaults_to_the_softer_body() -> None:
     nested = softer.model_dump(exclude_unset=True)
     del nested["contact"]["hardness"]
     assert Study(**nested).hardness == pytest.approx(1800.0)
-    assert re.search(r'^hardness = "1800 MPa" ', to_marked_toml(Study(**nested)), re.MULTILINE)
+    assert re.search(r'^hardness = "1800 MPa" ', Study(**nested).to_toml(marked=True), re.MULTILINE)
 
 
 def test_a_surface_is_relative_to_its_study(tmp_path: Path) -> None:
-    text = to_marked_toml(Study.load("v3").replace({"disc.surface": "disc.npy"}))
+    text = Study.load("v3").replace({"disc.surface": "disc.npy"}).to_toml(marked=True)
     (tmp_path / "s.toml").write_text(text)
     assert Study.load(tmp_path / "s.toml").disc.surface == str(tmp_path.resolve() / "disc.npy")
 
@@ -195,8 +194,8 @@ def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
     assert longest.increments == (0.003, 1.02, 4500.0)
     assert longest.resolved["stepping.largest"] == "4500.0 mm"
     assert longest.replace({"stepping.largest": "10 mm"}).increments[2] == 10.0
-    assert {"stepping.first", "friction.coefficient", "contact.stiffness"} <= set(assumptions(study))
-    shown = to_marked_toml(study)
+    assert {"stepping.first", "friction.coefficient", "contact.stiffness"} <= set(study.assumptions)
+    shown = study.to_toml(marked=True)
     assert re.search(r"^coefficient = 0\.6 +# ASSUMED", shown, re.MULTILINE)
     assert re.search(r'^first = "3 um" +# ASSUMED', shown, re.MULTILINE)
     assert Study(**tomllib.loads(study.to_toml())).increments == study.increments
@@ -204,7 +203,7 @@ def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
 
 def test_what_is_shown_keeps_every_digit_that_counts() -> None:
     study = Study.load("v3-fine").replace({"grid.cell": f"{1.5 / 7001!r} mm"})
-    assert Study(**tomllib.loads(to_marked_toml(study))).cells.nx == 7001
+    assert Study(**tomllib.loads(study.to_toml(marked=True))).cells.nx == 7001
 
 
 def test_a_description_tells_what_was_changed(tmp_path: Path) -> None:
@@ -245,7 +244,7 @@ def test_a_study_shows_itself_in_one_line() -> None:
 def test_a_notebook_shows_a_study_with_its_assumptions_marked() -> None:
     study = Study.load("v3-fine").replace({"study.description": "<script>alert(1)</script>"})
     html = study._repr_html_()
-    assert html.count("# ASSUMED: ") == len(assumptions(study)) == 22
+    assert html.count("# ASSUMED: ") == len(study.assumptions) == 22
     assert "\nshear_strength = " in html
     assert "<script" not in html
     assert repr(study).startswith("<Study 'v3-fine': micro model, local law")

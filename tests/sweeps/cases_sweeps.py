@@ -1,11 +1,10 @@
-"""What tests of sweeps share: a small study, and an executor in this thread."""
+"""What tests of sweeps share: a small study, processes, and the address of a scheduler."""
 
 import json
 import os
 import subprocess
 import time
 from collections.abc import Iterator
-from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,6 @@ ROOT = Path(__file__).parents[2]
 #: A rough contact that takes a tenth of a second.
 SMALL = {"grid.cell": "10 um", "grid.extent": "1 mm", "sliding.distance": "3 mm", "output.snapshots": []}
 VARY = {"contact.load": ["4 N", "8 N"], "disc.synthetic.seed": "1:3"}
-
-
-class Here(Executor):
-    """An executor that calls at once, in this thread."""
-
-    def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
-        future: Future[Any] = Future()
-        future.set_result(function(*arguments))
-        return future
 
 
 def small(**changes: Any) -> Study:

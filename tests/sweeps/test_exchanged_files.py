@@ -13,16 +13,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_sweeps import ROOT, Here, small
+from cases_sweeps import ROOT, small
 from fuzzing import numbers
 
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.batches.batch import RUNS, make_runs
 from warpwear.batches.plan import Plan, section_of
+from warpwear.engine.workers import Here
 from warpwear.results.ensemble import digests_in
 from warpwear.runs.loop import StepLoop
-from warpwear.study.keys import declarations, files_of
+from warpwear.study.keys import declarations
 from warpwear.study.loading import FILES
 from warpwear.study.study import Content
 from warpwear.surfaces import formats
@@ -107,15 +108,15 @@ def test_every_key_that_names_a_file_says_so(tmp_path: Path) -> None:
     """Any other text is known to name none, so that a new one has to say what it is."""
     texts = {name for name, key in declarations(Content).items() if key.field.annotation in (str, str | None)}
     assert texts - TEXTS == {"disc.surface", "disc.synthetic.like", "counter.surface"} == {*FILES}
-    assert not [name for name in FILES if name.startswith("block.")]  # where `files_of` looks for none
-    assert {*FILES} == {key for way in WAYS for key in files_of(study_of(way, tmp_path))}
+    assert not [name for name in FILES if name.startswith("block.")]  # where `Study.files` looks for none
+    assert {*FILES} == {key for way in WAYS for key in study_of(way, tmp_path).files}
 
 
 def test_an_exchange_before_a_run_and_after_it(way: str, path: Path, tmp_path: Path) -> None:
     """Runs are not made on another file, and found whatever is there now; they are nobody else's."""
     plan, out = planned(study_of(way, path)), tmp_path / "store"
     write(way, path, 2)
-    (key, *_) = files_of(plan.study)
+    (key, *_) = plan.study.files
     for row in make_runs(plan, out, Here()):
         assert row.status.startswith(f"failed: {key} '{path}' is not the file any more that the sweep was")
     assert not contents(out)

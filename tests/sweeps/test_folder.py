@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cases_sweeps import ROOT, Here, small
+from cases_sweeps import ROOT, small
 from fuzzing import check_sentence
 
 import warpwear
@@ -18,7 +18,7 @@ from warpwear import InputError
 from warpwear.batches import cluster
 from warpwear.batches.batch import RUNS, estimate, local_executor, make_runs
 from warpwear.batches.plan import Plan, section_of
-from warpwear.engine.workers import WorkerDiedError
+from warpwear.engine.workers import Here, WorkerDiedError
 from warpwear.results import manifest
 from warpwear.results.folder import held
 from warpwear.sweeps.sweep import check_runs

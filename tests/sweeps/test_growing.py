@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_sweeps import Here
 from click.testing import CliRunner
 
 import warpwear
@@ -14,6 +13,7 @@ from warpwear.batches.batch import Count
 from warpwear.batches.plan import Plan, section_of
 from warpwear.batches.run_one import Row
 from warpwear.cli.main import commands
+from warpwear.engine.workers import Here
 from warpwear.results import manifest
 from warpwear.sweeps.sweep import check_runs
 from warpwear.sweeps.table import TABLES, SweepResult

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cases_sweeps import Here, small
+from cases_sweeps import small
 from fuzzing import check_sentence
 
 import warpwear
 from warpwear import InputError
 from warpwear.batches.batch import RUNS
+from warpwear.engine.workers import Here
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME
 from warpwear.results.folder import LOCK

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_sweeps import Here, small
+from cases_sweeps import small
 
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.batches.batch import RUNS, make_runs
 from warpwear.batches.plan import Plan, section_of
 from warpwear.batches.run_one import Row
+from warpwear.engine.workers import Here
 
 
 def rough(path: Path, seed: int) -> None:

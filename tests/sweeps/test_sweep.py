@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_sweeps import ROOT, SMALL, VARY, Here, small
+from cases_sweeps import ROOT, SMALL, VARY, small
 
 import warpwear
 from warpwear import InputError, Study
 from warpwear.batches.batch import make_runs, share_runs
 from warpwear.batches.plan import Plan, section_of
+from warpwear.engine.workers import Here
 from warpwear.figures.paint import paint
 from warpwear.history.quantities import BY_NAME
 from warpwear.sweeps.figures import courses
@@ -112,7 +113,7 @@ def test_friction_over_wear_and_load_follows_the_closed_form() -> None:
     vary = {"wear.counter": ["5e-4 mm^3/N/m", "1e-3 mm^3/N/m"], "contact.load": ["4 N", "8 N"]}
     found = warpwear.sweep(study, vary=vary, executor=Here())
     wear, load = found.numbers("wear.counter")[0], found.numbers("contact.load")[0]
-    stiffness = np.array([point.study.bulk_stiffness() for point in found.plan.points])
+    stiffness = np.array([point.study.pair.bulk_stiffness for point in found.plan.points])
     worn = 1.0e-3 * wear * load * 600.0
     area = np.sqrt(4.0 * np.pi / study.counter.form.curvature * (worn + load / stiffness))
     assert found.ends("wear_volume_counter") == pytest.approx(worn, rel=1e-9)

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cases_sweeps import Here, small
+from cases_sweeps import small
 
 import warpwear
 from warpwear import InputError
 from warpwear.cli.main import main
+from warpwear.engine.workers import Here
 
 
 @pytest.fixture

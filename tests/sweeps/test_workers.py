@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cases_sweeps import VARY, Here, address_in, processes, small
+from cases_sweeps import VARY, address_in, processes, small
 
 from warpwear import InputError
 from warpwear.batches.batch import make_runs
 from warpwear.batches.plan import Plan, section_of
 from warpwear.batches.points import task_of
 from warpwear.batches.run_one import Row, run_one
-from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
+from warpwear.engine.workers import Here, WorkerDiedError, Workers, local_workers
 from warpwear.results.folder import LOCK
 
 

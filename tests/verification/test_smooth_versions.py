@@ -47,7 +47,7 @@ def test_v1_steps_against_the_reference(device: str, threads: int) -> None:
     x, y = np.meshgrid(result.x, result.y, indexing="ij")
     r2 = x * x + y * y
     gap = r2 / (R + np.sqrt(R * R - r2))
-    compliance = 1.0 / study.stiffness
+    compliance = 1.0 / study.pair.stiffness
     for row in range(100):
         contact = reference.foundation(gap, compliance, F, math.inf, study.grid.cell)
         assert result.history["approach"][row] == pytest.approx(contact.approach, rel=1e-11)
@@ -114,7 +114,7 @@ def test_a_foundation_that_follows_the_patch(device: str) -> None:
     where = np.unravel_index(last.pressure.argmax(), last.pressure.shape)
     overlap = history["approach"][-1] - last.gap[where]
     assert last.pressure[where] / overlap == pytest.approx(stiffness, rel=1e-6)
-    assert stiffness < 0.1 * study.stiffness
+    assert stiffness < 0.1 * study.pair.stiffness
 
 
 @pytest.mark.parametrize(

@@ -36,14 +36,16 @@ class Plan:
     study: what is varied. vary: key -> a list of values, a range "1:20", or a distribution. design, samples,
     seed: see `Design`. band_over: keys whose scatter a band shows; the others make groups. By default it is
     every key of a sampled design, and none of a grid. device: "cpu" or "cuda:0".
+    Without a section it is the study alone.
 
     Raises InputError for what makes no sweep.
     """
 
-    def __init__(self, study: Study, section: SweepSection, *, device: str = "cpu") -> None:
+    def __init__(self, study: Study, section: SweepSection | None = None, *, device: str = "cpu") -> None:
+        alone, section = section is None, section or SweepSection()
         self.study, self.device = study, device
         self.design = Design(section.design, section.samples, section.seed)
-        self.factors: list[Factor] = factors_of(with_positions(study, section.vary))
+        self.factors: list[Factor] = [] if alone else factors_of(with_positions(study, section.vary))
         self.keys = [factor.key for factor in self.factors]
         self.names = short_names(self.keys)
         band_over = [section.band_over] if isinstance(section.band_over, str) else list(section.band_over)

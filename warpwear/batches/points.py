@@ -11,7 +11,6 @@ import numpy as np
 from warpwear.batches.run_one import Task
 from warpwear.errors import InputError
 from warpwear.results.ensemble import name_of
-from warpwear.study.keys import files_of
 from warpwear.study.study import Study
 from warpwear.surfaces.reading import digest_of, read
 
@@ -50,7 +49,7 @@ def _point(
         varied = study.replace(values)
     except InputError as error:
         return Point(number, values, None, "", str(error))
-    files = {key: digest(path, key=key) for key, path in files_of(varied).items()}
+    files = {key: digest(path, key=key) for key, path in varied.files.items()}
     return Point(number, values, varied, name_of(varied, device=device, files=files), files=files)
 
 

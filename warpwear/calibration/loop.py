@@ -240,4 +240,4 @@ def _of_contact(study: Study | None) -> float | None:
     hertz = None if study is None else study.hertz
     if study is None or hertz is None or hertz.is_line:
         return None
-    return float(study.softness_ratio / (2.0 * hertz.modulus * hertz.radius))
+    return float(study.pair.softness_ratio / (2.0 * hertz.modulus * hertz.radius))

@@ -203,7 +203,7 @@ def _of_run(run: Run, cof: float, ploughing: float | None, area: str | None) -> 
     load, laps = study.contact.load, study.laps
     ploughing = study.friction.ploughing if ploughing is None else ploughing
     law = _law(study, folder, coefficient=cof, ploughing=ploughing)
-    taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
+    taus = law.calibrations(history, load=load, hardness=study.pair.indentation_hardness, laps=laps)
     sizes: dict[str, list[Row]] = {}
     for name in WORDS if area is None else (area,):
         columns = history, history[f"area_{name}"]

@@ -93,7 +93,7 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     hardness = {s.hardness for s in studies if np.isfinite(s.hardness)}
     if len(hardness) == 1:
         areas["load over hardness"] = load / hardness.pop()
-    modulus, moments = first.effective_modulus, _moments(first)
+    modulus, moments = first.pair.effective_modulus, _moments(first)
     if modulus is None:
         return areas
     if first.hertz is not None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed, names_by_sentence
 from warpwear.measured.course import check_coverage
 from warpwear.measured.experiment import Experiment
-from warpwear.study.keys import declarations, inapplicable, value_of
+from warpwear.study.keys import declarations, value_of
 from warpwear.study.study import Study
 
 INTERRUPTED = "interrupted before the end."
@@ -40,7 +40,7 @@ LAWS, ABOVE = ("wear.", "friction.", *DEPTHS), ("wear.counter", "wear.disc")
 
 def _conditions_of(study: Study) -> dict[str, str]:
     """Return what makes runs unlike tests -> its value, for all that this one has."""
-    written, unused = study.model_dump(), inapplicable(study)
+    written, unused = study.model_dump(), study.unused_keys
     above = {what: (of(study), unit) for what, (unit, of) in CONDITIONS.items() if what not in unused}
     keys = [key for key, declared in declarations(Study).items() if key.startswith(LAWS) and key not in ABOVE]
     laws = {key: value_of(written, key) for key in keys if key not in unused}

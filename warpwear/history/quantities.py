@@ -40,10 +40,10 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
     ),
-    "film": ("runs with a film", lambda study: study.film is not None),
+    "film": ("runs with a film", lambda study: study.pair.film is not None),
     "by area": (
         "wear of friction energy by a shear strength, layers of one, friction.largest_coefficient",
-        lambda study: study.wears_by_area or study.shears_unalike,
+        lambda study: study.pair.wears_by_area or study.contact_task.shears_unalike,
     ),
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
 }
@@ -188,7 +188,7 @@ def unit_of(column: str) -> str:
 def columns_of(study: Study) -> tuple[Quantity, ...]:
     """Return the columns of the history that a run of the study has."""
     columns = [quantity for quantity in per("step") if quantity.applies_to(study)]
-    for body, profile in zip(BODIES, study.profiles or (), strict=False):
+    for body, profile in zip(BODIES, study.pair.profiles or (), strict=False):
         for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
             of = f"{material.name} of the {CALLED[body]}"
             only, pairs = f"{body}.layers", zip(names, OF_A_MATERIAL.values(), strict=True)

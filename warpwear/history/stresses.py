@@ -43,8 +43,8 @@ def _held(study: Study, snapshot: Snapshot, row: Mapping[str, float]) -> FloatAr
         -gap,
         cell=study.grid.cell,
         load=load,
-        modulus=study.effective_modulus,
-        hardness=study.hardness if study.caps_pressure else None,
+        modulus=study.pair.effective_modulus,
+        hardness=study.hardness if study.pair.caps_pressure else None,
         boundary=study.boundary,
     )
     # Wear of the step itself is in the gap, and not yet in the pressure.
@@ -67,7 +67,7 @@ def of_snapshot(
         Loads(load, cells.cell, poisson=study.disc.poisson, boundary=study.boundary, threads=threads)
         for load in (loads if fatigue else [loads[0] | loads[1]])
     ]
-    limit, tables = study.yield_strength, {name: list[FloatArray]() for name in stress_columns(study)}
+    limit, tables = study.pair.yield_strength, {name: list[FloatArray]() for name in stress_columns(study)}
     for depth in study.stress_depths:
         pressed, *turned = (part.at(depth)[:, np.newaxis] for part in parts)
         sheared = turned[0] if turned else np.zeros((len(COMPONENTS), 1, 1, 1))

@@ -32,7 +32,7 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "friction constant": lambda study: study.friction.fitted == "coulomb",
     "friction not fitted": lambda study: study.friction.fitted is None,
     "empirical friction": lambda study: bool(study.friction.law_with().said),
-    "layered": lambda study: study.profiles is not None,
+    "layered": lambda study: study.pair.profiles is not None,
     "wear in pieces": lambda study: study.wear.sheds,
     "wear by pressure": lambda study: any(law.over_pressure[0] for law in study.wear_laws),
     "severe at the hardness": lambda study: (
@@ -43,7 +43,7 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "energy law": lambda study: study.wear.law == "energy",
     "junctions grow": lambda study: bool(study.friction.junction_growth),
     "pieces of critical size": lambda study: study.wear.particle == "critical",
-    "elastic": lambda study: study.contact.law == "half-space" or study.uses_bulk_stiffness,
+    "elastic": lambda study: study.contact.law == "half-space" or study.pair.uses_bulk_stiffness,
     "softer body": lambda study: study.contact.hardness is None and math.isfinite(study.hardness),
 }
 

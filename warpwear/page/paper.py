@@ -54,7 +54,11 @@ def table_of(study: Study, s: Summary, answers: Iterable[Answer]) -> list[Line]:
         *([] if counter.form.is_flat else [("Counter-body", counter.title, "")]),
         ("Sliding distance", distance, of_distance),
         ("Cell", shown(s.cell), "µm"),
-        *([("Hardness (cap of the pressure)", shown(study.hardness), "MPa")] if study.caps_pressure else []),
+        *(
+            [("Hardness (cap of the pressure)", shown(study.hardness), "MPa")]
+            if study.pair.caps_pressure
+            else []
+        ),
         *((f"Wear coefficient, {b}", shown(1e3 * k), unit) for b, k in coefficients),
         *(
             (f"{what} of {name}, {body}", number, its_unit)

@@ -11,7 +11,6 @@ import numpy as np
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
-from warpwear.study.keys import files_of
 from warpwear.study.loading import insert
 from warpwear.study.study import Study
 
@@ -56,7 +55,7 @@ def name_of(study: Study, *, device: str, files: Mapping[str, str]) -> str:
 def digests_in(result: ResultFile) -> dict[str, str]:
     """Map keys of a result's study to the SHA-256 of what their files held, as far as it carries that."""
     known = result.record.get("files", {})
-    return {key: known[key] for key in files_of(result.study) if isinstance(known.get(key), str)}
+    return {key: known[key] for key in result.study.files if isinstance(known.get(key), str)}
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:

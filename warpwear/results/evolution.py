@@ -57,7 +57,7 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:
     """Return the row of a snapshot, and the areas of its islands [mm²]."""
-    islands, critical = island_areas(result, snapshot), result.study.critical_diameter
+    islands, critical = island_areas(result, snapshot), result.study.pair.critical_diameter
     # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
     one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
     disc = worn_heights(result, snapshot, "disc", snapshot.scar)

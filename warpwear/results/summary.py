@@ -19,7 +19,6 @@ from warpwear.results import summary_models
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, lines, record, shown
 from warpwear.results.track import course, shape_of_growth
-from warpwear.study import text as render
 from warpwear.study.study import Study
 
 #: Columns that change along a track: of a swept run their last value says little.
@@ -190,9 +189,9 @@ def _above_hardness(result: ResultFile) -> list[Row]:
 
 def _by_scheme(result: ResultFile) -> list[Row]:
     """Declare which area explicit and implicit steps give a rough contact that yields by wear alone."""
-    study = result.study
-    yields = study.study.model != "micro" or study.contact.law != "local" or study.stiffness < math.inf
-    if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
+    study, pair = result.study, result.study.pair
+    yields = study.study.model != "micro" or study.contact.law != "local" or pair.stiffness < math.inf
+    if yields or study.wear.sheds or not (study.is_rough and study.sliding.total and pair.caps_pressure):
         return []
     explicit, area = study.stepping.scheme == "explicit", result.history["load"][-1] / study.hardness
     text = f"explicit: the area stays near load over hardness, {area:.3g} mm²; by implicit ones it grows"
@@ -237,12 +236,12 @@ def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     law, load, laps = section.law_with(), history["load"], study.laps
     first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
     shapes = {"cof_shape": _shape(result, "cof"), "area_shape": _shape(result, f"area_{section.area}")}
-    others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
+    others = law.calibrations(history, load=load, hardness=study.pair.indentation_hardness, laps=laps)
     return [
         _cof(study, first, last),
         Row("", "cof_input", section.fitted),
         _strength(study, finite(end["shear_strength"])),
-        Row("", "shear_strength_of_softer_body_MPa", finite(study.shear_limit)),
+        Row("", "shear_strength_of_softer_body_MPa", finite(study.pair.shear_limit)),
         *entries({"cof_area": section.area if law.strengths else None, **shapes}),
         Row("", "cof_reference", section.coefficient),
         _strengths(section.coefficient, others),
@@ -254,7 +253,7 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     ends = {"first": first, "end": last}
     if first is None or last is None:
         return Row("", "cof", ends)
-    source = ASSUMED if "friction.coefficient" in render.assumptions(study) else INPUT
+    source = ASSUMED if "friction.coefficient" in study.assumptions else INPUT
     if study.friction.fitted == "coulomb":
         return Row("friction", "cof", ends, sentence=f"{shown(last, 3)}{source}, at every distance")
     marks = {when: source if when == study.friction.fitted else "" for when in passes.WHEN}
@@ -273,7 +272,7 @@ def _energy(result: ResultFile, end: dict[str, float]) -> list[Row]:
 
 def _strength(study: Study, strength: float | None) -> Row:
     """Declare the shear strength: as given, or fitted, and whether the softer body bears it."""
-    note, limit = f"{study.other_shear}, as given", study.shear_limit
+    note, limit = f"{study.pair.other_shear}, as given", study.pair.shear_limit
     if study.friction.fitted is not None:
         note = f", fitted to {study.friction.coefficient:g}"
         if study.block is not None:
@@ -301,7 +300,7 @@ def _film(result: ResultFile) -> list[Row]:
     """Declare what shear leaves of the hardness where junctions grow, and how a film wore through."""
     study, law, rows = result.study, result.study.friction, []
     if alpha := law.junction_growth:
-        (filmed, bare), hardness = study.caps, study.indentation_hardness
+        (filmed, bare), hardness = study.pair.caps, study.pair.indentation_hardness
         sheared = [
             *entries({"alpha": alpha, "indentation_hardness_MPa": hardness}),
             *([Row("under the film", "hardness_under_film_MPa", filmed)] if law.film else []),
@@ -341,9 +340,9 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare residuals, conservation, and what the run's own record and its assumptions are."""
     study, residuals = result.study, np.abs(result.history["load_residual"])
     expected = sum(study.wear_coefficients[1] * b.load * b.slides(end["distance"]) for b in study.blocks)
-    expected *= study.profiles is None  # K of a layered body is that of no depth alone
+    expected *= study.pair.profiles is None  # K of a layered body is that of no depth alone
     off = {body: _off_archard(end, body) for body in BODIES}
-    largest, assumed = float(residuals.max()), render.assumptions(study)
+    largest, assumed = float(residuals.max()), study.assumptions
     all_of_them = f"{len(assumed)} in summary.json and 'warpwear show'"
     checks = [
         Row("load residual at most", "", largest, digits=2, unit="N"),
@@ -355,6 +354,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "disc_volume_over_KFL", end["wear_volume_disc"] / expected if expected else None),
         Row("checks", "", checks),
         *entries({"notes": [], **result.record}),
+        *([Row("", "seconds", result.seconds)] if result.seconds else []),
         Row("assumptions", "assumptions", assumed, sentence=all_of_them),
     ]
 

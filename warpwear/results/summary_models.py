@@ -27,7 +27,7 @@ below = lazy.module("warpwear.contact.stress.stresses")
 def arrangement(result: ResultFile) -> list[Row]:
     """Declare half-space, pieces and patches, and what bodies yield without wear."""
     study = result.study
-    stiffness = study.bulk_stiffness() if study.uses_bulk_stiffness else study.stiffness
+    stiffness = study.pair.bulk_stiffness if study.pair.uses_bulk_stiffness else study.pair.stiffness
     patches = _patches(result)
     on_springs = study.study.model == "macro" or bool(patches.value and patches.value["bulk"] == "spring")
     return [
@@ -107,7 +107,7 @@ def _jumps(result: ResultFile) -> list[Row]:
     text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
     if result.history["cycles"].max() == 1.0:
         text = f"none: each of the {jumps['cycles']:.6g} cycles was computed"
-        if result.study.contact.law == "local" and result.study.stiffness == math.inf:
+        if result.study.contact.law == "local" and result.study.pair.stiffness == math.inf:
             text += "; by contact.law = 'local' without a stiffness the area goes with what a step wears"
     return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 
@@ -163,7 +163,7 @@ def _half_space(result: ResultFile) -> Row:
     study = result.study
     if study.contact.law != "half-space":
         return Row("", "half_space", None)
-    transforms, modulus = float(np.median(result.history["evaluations"])), study.effective_modulus
+    transforms, modulus = float(np.median(result.history["evaluations"])), study.pair.effective_modulus
     numbers: dict[str, Any] = {"effective_modulus_MPa": modulus, "boundary": study.boundary}
     rows = entries(numbers | {"transforms": {"median": transforms}, **_certified(result.history)})
     text = f"E* {shown(1e-3 * (modulus or 0.0))} GPa, {study.boundary}"
@@ -229,7 +229,7 @@ def _patches(result: ResultFile) -> Row:
 
 def _pieces(result: ResultFile) -> Row:
     """Declare what bodies that wear in pieces have lost by them, and what decides its course."""
-    study, law = result.study, result.study.pieces
+    study, law = result.study, result.study.pair.pieces
     assert law is not None
     diameter, thickness = 1.0e3 * law.diameter, 1.0e3 * law.thickness
     volume, pending = 1.0e9 * law.volume(study.grid.cell), study.wear.pending_start
@@ -274,7 +274,7 @@ def _pieces_of(result: ResultFile, body: str) -> Row:
 def surfaces(result: ResultFile) -> list[Row]:
     """Declare how rough both bodies are in the inner scar, how that settles, and how large junctions are."""
     study, shares = result.study, surface_evolution(result).table["share_above_critical"]
-    critical, diameter = study.critical_junction, study.critical_diameter
+    critical, diameter = study.pair.critical_junction, study.pair.critical_diameter
     above, text = None, ""
     if diameter is not None and shares.size and np.isfinite(shares[[0, -1]]).all():
         above = {"diameter_um": 1.0e3 * diameter, "first": float(shares[0]), "end": float(shares[-1])}
@@ -282,7 +282,7 @@ def surfaces(result: ResultFile) -> list[Row]:
         text += f", d* {above['diameter_um']:.3g} µm"
     junctions = [
         Row("", "critical_diameter_um", 1.0e3 * critical if critical else None),
-        Row("", "strength_MPa", study.junction_strength),
+        Row("", "strength_MPa", study.pair.junction_strength),
         Row("junctions over d*", "share_above", above, sentence=text),
     ]
     return [Row("", "inner_scar", [_inner_scar(result, b) for b in BODIES]), Row("", "junctions", junctions)]
@@ -329,7 +329,7 @@ def stresses(result: ResultFile) -> list[Row]:
     if not study.has_stresses or not result.snapshot_distances.size:
         return []
     table = {name: of[-1] for name, of in result.stresses.items()}
-    limit, fatigue = study.yield_strength, study.fatigue
+    limit, fatigue = study.pair.yield_strength, study.fatigue
     known = np.isfinite(result.history["cof"][-1])
     rows = []
     for name in (*MEASURES, *(OF_A_CYCLE if fatigue else ())):
@@ -357,7 +357,7 @@ def stresses(result: ResultFile) -> list[Row]:
 
 def layers(result: ResultFile) -> list[Row]:
     """Declare the layers of both bodies; nothing where there are none."""
-    rows = [_layers_of(result, *pair) for pair in zip(BODIES, result.study.profiles or (), strict=False)]
+    rows = [_layers_of(result, *pair) for pair in zip(BODIES, result.study.pair.profiles or (), strict=False)]
     return [row for row in rows if row is not None]
 
 

@@ -80,8 +80,8 @@ class Maker:
             fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
         if study.has_stresses:
             fields += STRESS_FIELDS[study.boundary]
-        if study.film is not None:
-            fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
+        if study.pair.film is not None:
+            fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.pair.film.regrowth)
         return fields
 
     def needed(self, study: Study, *, device: str) -> float:

@@ -86,7 +86,7 @@ class Checkpoints:
             "device": device,
             "surface": checksum(heights),
             "counter": _of_counter(order),
-            "files": order.files(),
+            "files": order.files,
         }
         self._every = order.study.run.checkpoint
         self._last = time.monotonic()

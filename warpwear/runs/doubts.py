@@ -28,7 +28,7 @@ COUNTED_CELLS = 4
 
 def of_slope(study: Study, slope: float) -> Iterator[str]:
     """Doubt a disc of this rms slope whose asperities yield before they flow, by the local law."""
-    modulus = study.effective_modulus
+    modulus = study.pair.effective_modulus
     local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
     if not local or study.hardness is None or study.contact_task.compliance > 0.0:
         return
@@ -79,7 +79,7 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
         )
     if doubt := doubt_of_directions(study, history):
         yield doubt
-    friction, limit = study.friction, study.shear_limit
+    friction, limit = study.friction, study.pair.shear_limit
     tau = friction.law_with().final_strength(
         history, load=history["load"], finished=finished, laps=study.laps
     )

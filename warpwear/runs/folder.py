@@ -19,7 +19,6 @@ from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.results.formats.metadata import NAME as METADATA
 from warpwear.runs import checkpoint
 from warpwear.runs.order import RunOrder
-from warpwear.study.keys import files_of
 from warpwear.surfaces.reading import digest_of
 
 table = lazy.module("warpwear.figures.of_run.table")
@@ -98,7 +97,7 @@ def is_finished(folder: Path, order: RunOrder) -> bool:
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
         digests = digests_in(result)
-    for key, path in files_of(order.study).items():
+    for key, path in order.study.files.items():
         if key in digests and Path(path).is_file() and digest_of(path) != digests[key]:
             raise InputError(f"out = {folder} holds a run on what {path} was before; {OTHER_FOLDER}.")
     if finished and order.heights:

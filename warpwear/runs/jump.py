@@ -66,8 +66,8 @@ class CycleJumps:
             why = f"does not go with {', '.join(lost)}, which acts in each step"
             raise InputError(f"stepping.jump = {study.stepping.jump!r} {why}.")
         self._legs, self._total = study.legs, study.sliding.total
-        self._stops, self._profiles = study.snapshot_distances, study.profiles or ()
-        self._ends = [block.end for block in order.blocks]
+        self._stops, self._profiles = study.snapshot_distances, study.pair.profiles or ()
+        self._ends = [block.end for block in study.blocks]
         jump = study.stepping.jump
         self._fixed = jump if isinstance(jump, int) else None
         self._tolerance = study.stepping.jump_error

@@ -74,7 +74,7 @@ class StepLoop:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
             self._warn(*order.notes, kind="note")
-            self._block = stored.block_of(order.blocks) if stored else order.blocks[0]
+            self._block = stored.block_of(order.study.blocks) if stored else order.study.blocks[0]
             original = stored.heights_for if stored else np.asarray
             prepared = order.model(executor, block=self._block, original=original)
             self._executor, self._heights = executor, prepared.heights
@@ -106,7 +106,7 @@ class StepLoop:
 
     def _restore(self, stored: StoredCheckpoint) -> None:
         assert self._writer is not None
-        stored.refuse_other_files(self._order.files())
+        stored.refuse_other_files(self._order.files)
         with stored.reading():
             then = stored.read()
             state.restore(self._jumps or self._model, then.arrays, then.numbers)
@@ -149,7 +149,7 @@ class StepLoop:
         LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
         record = {
             "surface": self._surface_record,
-            "files": self._order.files(),
+            "files": self._order.files,
             "warnings": self.warnings,
             "notes": self._order.notes,
             "elapsed_s": self._elapsed,
@@ -261,7 +261,7 @@ class StepLoop:
     @cached_property
     def _tasks(self) -> dict[int, tuple[float, Track | None]]:
         """Map the number of a block to what its model is made for: its load [N], and its track."""
-        blocks, study = self._order.blocks, self._order.study
+        study, blocks = self._order.study, self._order.study.blocks
         tracks = study.tracks if study.is_swept else [None] * len(blocks)
         return {block.number: (block.load, track) for block, track in zip(blocks, tracks, strict=True)}
 

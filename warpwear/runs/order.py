@@ -26,7 +26,7 @@ from warpwear.runs.arrangements import Maker, Parts, Record, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
-from warpwear.study.keys import dotted, files_of
+from warpwear.study.keys import dotted
 from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
@@ -88,18 +88,14 @@ class RunOrder:
         """Every step: its increment, the distance at its end [mm], and whether its fields are kept."""
         return plan_of(self.study)
 
-    @cached_property
-    def blocks(self) -> tuple[Block, ...]:
-        """Return the blocks of the programme; one, the whole test, without a programme."""
-        return self.study.blocks
-
     def blocks_of(self, steps: Sequence[Planned]) -> list[Block]:
         """Return the block in which each step of the plan lies."""
-        if len(self.blocks) == 1:
-            return [*self.blocks] * len(steps)
-        ends = [block.end for block in self.blocks]
+        blocks = self.study.blocks
+        if len(blocks) == 1:
+            return [*blocks] * len(steps)
+        ends = [block.end for block in blocks]
         middles = (distance - 0.5 * increment for increment, distance, _ in steps)
-        return [self.blocks[bisect_left(ends, middle)] for middle in middles]
+        return [blocks[bisect_left(ends, middle)] for middle in middles]
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
@@ -165,10 +161,10 @@ class RunOrder:
             record["on_the_grid"] = _roughness_on(grid, measured)
         if self.counter is not None:
             record["counter"] = self.counter.record()
-        heaviest = max(self.blocks, key=lambda block: block.load)
-        if study.contact_task.prescribed_loads and heaviest.load > self.blocks[0].load:
+        heaviest = max(study.blocks, key=lambda block: block.load)
+        if study.contact_task.prescribed_loads and heaviest.load > study.blocks[0].load:
             self.model_in(heaviest, heights, executor, {})  # refuses a load before the run, not within it
-        model = self.model_in(block or self.blocks[0], heights, executor, record)
+        model = self.model_in(block or study.blocks[0], heights, executor, record)
         return PreparedModel(model, heights, record, filled)
 
     def model_in(
@@ -181,7 +177,7 @@ class RunOrder:
         task = replace(self.study.parts[block.number - 1].contact_task, form=self.form)
         with noted(self._read):
             model = self.arrangement.model(Parts(self.study, task, block, heights, executor, record))
-        self.files()  # before a step is made on another
+        self._check_files()  # before a step is made on another
         return model
 
     def save_heights(self, folder: Path) -> None:
@@ -190,13 +186,18 @@ class RunOrder:
             self.heights.save(folder)
             self._read[str(self.study.disc.surface)] = {digest_of(folder / SURFACE_FILE)}
 
+    @property
     def files(self) -> dict[str, str]:
         """Map keys to the SHA-256 of what was read of the files that they name, as far as they were read.
 
         Raises InputError for a file that was exchanged meanwhile, or is not the planned one.
         """
-        digests = dict[str, str]()
-        for key, path in files_of(self.study).items():
+        self._check_files()
+        paths = {key: str(Path(path)) for key, path in self.study.files.items()}
+        return {key: digest for key, path in paths.items() for digest in self._read.get(path, ())}
+
+    def _check_files(self) -> None:
+        for key, path in self.study.files.items():
             read, planned = self._read.get(str(Path(path)), set()), self.planned.get(key)
             if planned and read != {planned}:
                 raise InputError(
@@ -205,14 +206,14 @@ class RunOrder:
                 )
             if len(read) > 1:
                 raise InputError(f"{key} '{path}' changed while the run read it; run it again")
-            digests.update((key, digest) for digest in read)
-        return digests
 
     def history_of(self, rows: Rows, *, finished: bool) -> dict[str, FloatArray]:
         """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
         cof = self.cof_of(history, finished=finished)
-        energy = friction_energy(history["distance"], cof, history["load"], of_steps=self.study.wears_by_area)
+        energy = friction_energy(
+            history["distance"], cof, history["load"], of_steps=self.study.pair.wears_by_area
+        )
         if self.study.fretting is not None:
             energy = 1.0e-3 * np.cumsum(history["energy"] * history["cycles"])
         return history | {"cof": cof, "friction_energy": energy}

@@ -192,7 +192,7 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     shared = options.progress if isinstance(options.progress, Progress) else None
     progress = shared or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
-    with clock.running(), nullcontext() if shared else progress:
+    with clock.running(), report_out_of_memory(order.study.cells), nullcontext() if shared else progress:
         if options.out is not None:
             run_folder.check(options.out, overwrite=options.overwrite, resume=options.resume)
             if options.resume and run_folder.is_finished(options.out, order):
@@ -219,7 +219,6 @@ def _compute(order: RunOrder, options: RunOptions, progress: Progress, painter: 
     """
     study = order.study
     with (
-        report_out_of_memory(study.cells),
         order.arrangement.executor(study, device=options.device, threads=options.threads) as executor,
         run_folder.working_in(options.out, overwrite=options.overwrite, resume=options.resume) as work,
     ):

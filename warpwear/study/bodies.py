@@ -2,9 +2,9 @@
 
 import math
 from functools import partial
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ModelWrapValidatorHandler, model_validator
 
 from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
@@ -59,15 +59,21 @@ class Body(Section):
     )
 
     def _check(self) -> None:
-        """Fill in constants of the material, which do not count as given; refuse layers of one name."""
+        """Refuse layers of one name, and too many."""
         names = [layer.name for layer in self.layers or ()]
         if self.layers is not None and len({*names}) != max(len(names), 1):
             raise ValueError(f"layers: names must differ, and there must be one or more, not {names}")
         if len(names) > MOST_LAYERS:
             raise ValueError(f"layers: {len(names)} are too many; allowed are {MOST_LAYERS}, or a gradient")
-        if self.material is not None:
-            known = material(self.material)
-            self.__dict__ |= {name: getattr(known, name) for name in CONSTANTS if getattr(self, name) is None}
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_constants(cls, values: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """Fill in constants of the material, which do not count as given."""
+        body = validated(values)
+        known = {} if body.material is None else vars(material(body.material))
+        constants = {name: known[name] for name in CONSTANTS if known and getattr(body, name) is None}
+        return cls.model_construct(body.model_fields_set, **dict(body) | constants) if constants else body
 
     @property
     def has_depths(self) -> bool:

@@ -9,7 +9,7 @@ from warpwear.study.units import Load, Quantity, Range
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
 BULK = when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model")
-BULK += when("uses_bulk_stiffness", otherwise="does not apply to patches.bulk = 'none'")
+BULK += when("pair.uses_bulk_stiffness", otherwise="does not apply to patches.bulk = 'none'")
 ROUGH = when(
     "study.model",
     "micro",
@@ -44,7 +44,7 @@ class Contact(Section):
         "under a largest pressure; local: every cell by itself; half-space: elastic bodies, whose "
         "asperities feel each other",
         demands=needs("study.model", "micro", "two-scale", of="half-space")
-        + needs("effective_modulus", of="half-space", what=ELASTIC)
+        + needs("pair.effective_modulus", of="half-space", what=ELASTIC)
         + needs("stepping.scheme", "implicit", of="half-space"),
     )
     boundary: Literal["free", "periodic", "line"] | None = key(
@@ -73,7 +73,7 @@ class Contact(Section):
         applies=BULK,
         demands=needs("counter.has_hertz", of=tuple(MATCHES), what=ROUND, why=A_STIFFNESS)
         + needs("counter.has_approach", of="approach", what="a ball or a crowned body", why=A_STIFFNESS)
-        + needs("effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
+        + needs("pair.effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
     )
     bulk_update: Literal["initial", "updated"] = key(
         "initial",

@@ -1,32 +1,429 @@
-"""The content of a study: its sections, and what follows from them."""
+"""The content of a study: its sections, how its bodies move, and what else follows from the sections."""
 
-import itertools
 import math
-from dataclasses import replace
-from functools import partial
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from functools import cached_property
+from itertools import groupby, pairwise
+from typing import Any, Self
 
+import numpy as np
+from pydantic import Field
+
+from warpwear.errors import printable
+from warpwear.grid import FloatArray, Grid
 from warpwear.laws.archard import BODIES, WearLaw
-from warpwear.laws.depth_profile import DepthProfile, shears_unalike
-from warpwear.laws.elastic import Hertz, effective_modulus
-from warpwear.laws.film import Film, grown_cap
+from warpwear.laws.elastic import Hertz
 from warpwear.laws.form import Form
-from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
+from warpwear.laws.fretting import HONEST_MEAN, Fretting
 from warpwear.laws.friction import FrictionLaw
-from warpwear.laws.junctions import critical_junction, junction_strength
-from warpwear.laws.pieces import Pieces
+from warpwear.laws.passes import Block, Laps
+from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask, FeatureLaw
-from warpwear.study.keys import uses, value_of
-from warpwear.study.programme import Programme
-from warpwear.study.sections.layers import depth_profiles
+from warpwear.laws.track import WHOLE, Leg, Track
+from warpwear.study import motion
+from warpwear.study.bodies import CONSTANTS, CounterBody, Disc
+from warpwear.study.contact import Contact
+from warpwear.study.keys import TABLES, Section, attribute_of, declarations, is_given, key, needs, uses, when
+from warpwear.study.materials import material
+from warpwear.study.pair import Pair
+from warpwear.study.sections.fatigue import Fatigue
+from warpwear.study.sections.friction import Friction, Junctions
+from warpwear.study.sections.settings import About, Checks, Output, PatchesSection, Run
+from warpwear.study.sections.wear import Wear
 from warpwear.study.units import text
 
+#: Parts of the sliding distance after which fields are kept of themselves.
+SNAPSHOTS = (0.001, 0.01, 0.1)
+#: Depths below the surface at which stresses are computed of themselves.
+STRESS_DEPTHS = 20
+#: What fatigue needs of the contact.
+STAYS = "a contact that stays where it is, by sliding.kinematics = 'stationary' or 'fretting'"
+#: Blocks of a programme that a sentence names.
+NAMED = 5
 
-class Content(Programme):
+
+class Content(Section):
     """The content of a study is its sections of keys, in mm, N, MPa and s, and what follows from them.
 
     Nothing here checks whether the sections agree: `warpwear.study.rules` does.
     """
+
+    study: About = About()
+    counter: CounterBody
+    disc: Disc
+    contact: Contact
+    wear: Wear
+    grid: motion.GridSection
+    sliding: motion.Sliding
+    block: tuple[motion.BlockSection, ...] | None = key(
+        None, "programme: blocks of other loads, speeds and lengths, one after another"
+    )
+    stepping: motion.Stepping = motion.Stepping()
+    friction: Friction = Friction()
+    junctions: Junctions = Junctions()
+    fatigue: Fatigue | None = key(
+        None,
+        "fatigue limits of the disc, for the stress of a cycle",
+        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths")
+        + needs("is_swept", False, what=STAYS, why=": on a track it leaves before its friction turns round"),
+    )
+    patches: PatchesSection = key(
+        PatchesSection(),
+        "patches of the two-scale model",
+        applies=when(
+            "study.model", "two-scale", otherwise="does not apply to the {} model: it has no patches"
+        ),
+    )
+    run: Run = Run()
+    checks: Checks = Checks()
+    output: Output = Output()
+    assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    def __copy__(self) -> Self:
+        # Sections are frozen and shared; what was made of them is not: a changed copy makes its own.
+        sections = {name: getattr(self, name) for name in type(self).model_fields}
+        return self.model_construct({*self.model_fields_set}, **sections)
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        return self.__copy__()
+
+    @property
+    def given_keys(self) -> set[str]:
+        """The dotted names of the keys that were given, not left open or to their defaults."""
+        names = {name for name in declarations(type(self)) if is_given(self, name)}
+        return {name for name in names if not isinstance(attribute_of(self, name), Section)}
+
+    @cached_property
+    def unused_keys(self) -> dict[str, str]:
+        """Map keys that nothing uses under the choices made to the end of a sentence that says why."""
+        keys = declarations(type(self)).items()
+        return {name: why for name, declared in keys if (why := declared.why_not(self))}
+
+    @property
+    def used_keys(self) -> dict[str, Any]:
+        """Map the keys that something uses to what they come to, as text with units; sections come last."""
+        content = self.model_dump(exclude={"assumed"})
+        for name, value in self.resolved.items():
+            section, _, last = name.partition(".")
+            content[section][last] = value
+
+        def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+            names = sorted(content, key=lambda one: (isinstance(content[one], dict), prefix + one in TABLES))
+            for name, value in ((prefix + one, content[one]) for one in names):
+                if isinstance(value, dict):
+                    yield from walk(f"{name}.", value)
+                elif value is not None and name not in self.unused_keys:
+                    tables = attribute_of(self, name) if name in TABLES else ()
+                    yield name, [table.model_dump(exclude_none=True) for table in tables] or value
+
+        return dict(walk("", content))
+
+    @property
+    def assumptions(self) -> dict[str, str]:
+        """Map keys to why they were assumed, in the study's own words or by a default that is a choice."""
+        given, reasons = self.given_keys, {}
+        for name in self.used_keys:
+            body, _, constant = name.partition(".")
+            if name in self.assumed:
+                reasons[name] = printable(self.assumed[name])
+            elif name in given:
+                continue
+            elif body != "contact" and constant in CONSTANTS:
+                known = material(getattr(self, body).material)
+                reasons[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
+            elif assumed := declarations(type(self))[name].assumed:
+                reasons[name] = assumed
+        return reasons
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Map the keys by which the study names files that it uses to the paths of these."""
+        named = [name for name, key in declarations(type(self)).items() if key.is_file]
+        paths = {name: attribute_of(self, name) for name in named if name not in self.unused_keys}
+        return {name: path for name, path in paths.items() if path}
+
+    @cached_property
+    def pair(self) -> Pair:
+        """The bodies as a pair: their moduli, hardnesses, strengths, materials by depth and laws of wear."""
+        return Pair(**{field.name: getattr(self, field.name) for field in fields(Pair)})
+
+    @property
+    def hardness(self) -> float:
+        """Largest pressure of any cell [MPa]."""
+        return self.pair.hardness
+
+    @property
+    def hertz(self) -> Hertz | None:
+        """Hertz's contact before any wear, under the largest load; None for other forms or constants."""
+        return self.pair.hertz
+
+    @property
+    def wear_laws(self) -> tuple[WearLaw, WearLaw]:
+        """The laws by which counter-body and disc wear."""
+        return self.pair.wear_laws
+
+    @property
+    def friction_law(self) -> FrictionLaw:
+        """The law by which cells shear."""
+        return self.friction.law_with()
+
+    @property
+    def wear_coefficients(self) -> tuple[float, float]:
+        """K of counter-body and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
+        return self.pair.wear_coefficients
+
+    @cached_property
+    def parts(self) -> tuple[Self, ...]:
+        """Studies that the blocks of a programme are by themselves; this one alone without a programme."""
+        if self.block is None:
+            return (self,)
+        alone = self.model_copy(update={"block": None})
+        loads = (self.contact.load if block.load is None else block.load for block in self.block)
+        contacts = (self.contact.model_copy(update={"load": load}) for load in loads)
+        slidings = (block.over(self.sliding) for block in self.block)
+        if self.is_swept:  # steps of one length, and circles of one, as each is a part of the same disc
+            same = {"shift": self.shift} | ({"track": self._shortest_lap} if self.circles else {})
+            slidings = (sliding.model_copy(update=same) for sliding in slidings)
+        return tuple(
+            alone.model_copy(update={"contact": contact, "sliding": sliding})
+            for contact, sliding in zip(contacts, slidings, strict=True)
+        )
+
+    @property
+    def circles(self) -> tuple[float, ...]:
+        """Return the track radii of a swept programme that has several [mm], in the order of their first use.
+
+        Each is a circle of the disc by itself, unworn at first.
+        """
+        radii = dict.fromkeys(block.over(self.sliding).track_radius for block in self.block or ())
+        several = tuple(radius for radius in radii if radius is not None) if self.is_swept else ()
+        return several if len(several) > 1 else ()
+
+    @property
+    def _shortest_lap(self) -> float | str:
+        """Return the length of disc that stands for every circle [mm]: as named, or the shortest lap."""
+        if self.sliding.track != "full":
+            return self.sliding.track
+        step = self.shift * self.grid.cell
+        return max(1, math.floor(2.0 * math.pi * min(self.circles) / step * (1.0 + WHOLE))) * step
+
+    def circle_of(self, block: Block) -> int:
+        """Return the number of the circle of the disc that a block slides on, from 0; 0 of other tracks."""
+        laps = [2.0 * math.pi * radius for radius in self.circles]
+        return laps.index(block.lap) if block.lap in laps else 0
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """Blocks of the programme, in their order; the whole test is one without a programme."""
+        return Block.in_a_row(
+            (p.contact.load, p.sliding.total, p.sliding.mean_speed, p.sliding.lap) for p in self.parts
+        )
+
+    @property
+    def loads(self) -> str:
+        """Return the load, or of a programme the smallest and the largest; of a line that of its length."""
+        length, unit = (self.grid.sides[1], "N/mm") if self.is_line else (1.0, "N")
+        loads = [block.load / length for block in self.blocks]
+        least, most = f"{min(loads):.4g}", f"{max(loads):.4g}"
+        return f"{least} {unit}" if least == most else f"{least} to {most} {unit}"
+
+    @property
+    def same_load(self) -> float | None:
+        """Return the load of the whole test [N]; None where blocks differ in it."""
+        loads = {block.load for block in self.blocks}
+        return loads.pop() if len(loads) == 1 else None
+
+    @property
+    def same_radius(self) -> float | None:
+        """Return the track radius of the whole test [mm]; None without one, and where blocks differ in it."""
+        return None if self.circles else self.sliding.track_radius
+
+    @property
+    def programme(self) -> str | None:
+        """Return the blocks of the programme in words, the first of many; None without a programme."""
+        if self.block is None:
+            return None
+        parts = [
+            f"{block.load:.4g} N over {block.length:.6g} mm"
+            + (f" on a track of {self.circles[self.circle_of(block)]:.6g} mm radius" if self.circles else "")
+            for block in self.blocks
+        ]
+        return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
+
+    @property
+    def samples_area(self) -> bool:
+        """True where patches stand for more than themselves, and fields cover only a part of the domain."""
+        return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
+
+    @property
+    def has_stresses(self) -> bool:
+        """True where stresses below the surface are computed."""
+        return self.output.stress_depths is not None
+
+    @property
+    def stress_depths(self) -> tuple[float, ...]:
+        """Depths at which stresses are computed [mm], rising; none where they are not."""
+        depths, cell = self.output.stress_depths, self.grid.cell
+        if depths != "auto":
+            return depths or ()
+        half = 0.5 * min(self.grid.sides[: 1 if self.is_line else 2])
+        return 0.0, *np.geomspace(cell, max(half, 2.0 * cell), STRESS_DEPTHS).tolist()
+
+    @property
+    def is_swept(self) -> bool:
+        """True where the counter-body slides over a track, false where it stays on the same cells."""
+        return self.kinematics == "swept"
+
+    @property
+    def kinematics(self) -> str:
+        """How the bodies move: as named, "fretting" where one contact stands for all places of a stroke.
+
+        If not named it is "swept" of the micro model with a stroke or a track radius.
+        """
+        if self.sliding.frets:
+            return "fretting" if self.positions == "mean" else "swept"
+        slides = self.study.model == "micro" and self.sliding.lap is not None
+        return self.sliding.kinematics or ("swept" if slides else "stationary")
+
+    @property
+    def shift(self) -> int:
+        """Cells that a step of a swept study covers: as named, else what leaves a stroke its least steps.
+
+        Of a track whose length is named it is a divisor, if there is one that is more than half as many.
+        """
+        sliding, cell = self.sliding, self.grid.cell
+        laps = (block.over(sliding).lap for block in self.block) if self.block else (sliding.lap,)
+        lap = min(lap for lap in laps if lap is not None)
+        most = max(1, min(motion.MOST_SHIFT, math.floor(lap / cell / motion.STEPS_OF_STROKE * (1.0 + WHOLE))))
+        cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
+        return sliding.shift or next((n for n in range(most, most // 2, -1) if cells % n == 0), most)
+
+    @property
+    def jumps(self) -> bool:
+        """True where a computed cycle of a track may stand for more: of itself not of what acts in steps."""
+        if not self.is_swept or self.stepping.jump == 1:
+            return False
+        if self.stepping.jump != "auto":
+            return True
+        # A load larger by 0.1 % moves depths in pieces by as much as a jump does: no error bounds that.
+        cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
+        return (
+            not self.wear.sheds
+            and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
+            and all(feature.jumps for feature in self.features.values())
+        )
+
+    @property
+    def increments(self) -> tuple[float, float, float]:
+        """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
+        cycle = 2.0 * (self.sliding.lap or 0.0) if self.kinematics == "fretting" else None
+        return self.stepping.plan(self.sliding.total, cycle=cycle, sticks=self.sliding.drives_bodies)
+
+    @property
+    def lap(self) -> float | None:
+        """Distance that a pass over the track slides at most [mm]; None where the disc lies still."""
+        return self.track.stroke if self.is_swept else None
+
+    @property
+    def laps(self) -> Laps | None:
+        """How the passes of a swept study repeat; None where the disc lies still."""
+        first, *_, last = (*self.blocks, self.blocks[-1])
+        if not self.is_swept or first.lap is None or last.lap is None:
+            return None
+        start = max((block.end for block in self.blocks if block.lap != last.lap), default=0.0)
+        return Laps(last.lap, self.tracks[-1].reverses, start, first.lap)
+
+    def passes_at(self, distance: Any) -> Any:
+        """Return how many passes of a swept study a distance is [mm], or each of many."""
+        laps = [block.length / block.lap for block in self.blocks if block.lap]
+        ends = [block.end for block in self.blocks]
+        return np.interp(distance, [0.0, *ends], np.cumsum([0.0, *laps]))
+
+    @property
+    def track(self) -> Track:
+        """The track that a swept study asks for, of its longest stroke; `rules_track` says whether it may."""
+        if self.block is not None:
+            return max((part.track for part in self.parts), key=lambda track: track.stroke)
+        sliding, cell, shift = self.sliding, self.grid.cell, self.shift
+        lap = sliding.lap
+        assert lap is not None  # checked with the study
+        full, rotates = sliding.track == "full", sliding.track_radius is not None
+        length, unit = lap if full else float(sliding.track), shift if full and rotates else 1
+        cells = max(1, round(length / (unit * cell))) * unit
+        return Track(cells, shift, cell, self.cells.nx, lap, rotates or not full, not rotates)
+
+    @cached_property
+    def tracks(self) -> tuple[Track, ...]:
+        """Return the track of each block, in the middle of one disc."""
+        longest = self.track
+        return tuple(
+            track if track.periodic else replace(track, spare=longest.cells - track.cells)
+            for track in (part.track for part in self.parts)
+        )
+
+    @property
+    def places(self) -> tuple[FloatArray, FloatArray]:
+        """Return the places of the disc's heights [mm] along and across: of the track, or domain."""
+        return self.track.x if self.is_swept else self.cells.x, self.cells.y
+
+    @property
+    def legs(self) -> list[Leg]:
+        """Return the legs of a swept study: blocks in a row that slide over one track."""
+        pairs = groupby(zip(self.tracks, self.blocks, strict=True), lambda pair: pair[0])
+        legs = [(track, [block for _, block in blocks]) for track, blocks in pairs]
+        return [Leg(track, blocks[0].start, blocks[-1].end) for track, blocks in legs]
+
+    @property
+    def patch_layout(self) -> Patches:
+        """The places of the patches that a two-scale study asks for."""
+        domain, patches = self.cells, self.patches
+        pitch, side = round(patches.macro_cell / domain.cell), round(patches.patch_width / domain.cell)
+        seed = patches.seed if patches.placement == "random" else None
+        return Patches.laid_out(domain, pitch=pitch, side=side, seed=seed)
+
+    @property
+    def strip(self) -> float | None:
+        """Length of a line that areas, volumes, forces and energies are those of [mm]; None of what ends."""
+        return self.grid.sides[1] if self.is_line else None
+
+    @property
+    def repeats(self) -> bool:
+        """True where the domain, with the counter-body, is repeated beside itself."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return elastic and self.boundary == "periodic"
+
+    @property
+    def boundary(self) -> str:
+        """Boundary of the half-space, or of every patch: "free", "periodic" or "line"."""
+        whole_counter = not self.counter.form.is_flat and self.study.model != "two-scale"
+        return self.contact.boundary or ("free" if whole_counter else "periodic")
+
+    @property
+    def is_line(self) -> bool:
+        """True where the contact goes on across sliding beyond the domain, which is a part of its length."""
+        along, across = self.counter.form.rises
+        if self.contact.law == "half-space":
+            return self.boundary == "line"
+        return along and not across and self.study.model != "two-scale"
+
+    @property
+    def cells(self) -> Grid:
+        """The grid of cells that the study asks for."""
+        nx, ny = (round(side / self.grid.cell) for side in self.grid.sides)
+        return Grid(nx, ny, self.grid.cell)
+
+    @property
+    def snapshot_distances(self) -> tuple[float, ...]:
+        """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end.
+
+        Of themselves they are also those at which the counter-body leaves a circle of the disc.
+        """
+        snapshots, blocks = self.output.snapshots, self.blocks
+        if snapshots != "auto":
+            return snapshots
+        left = (b.end for b, after in pairwise(blocks) if self.circle_of(b) != self.circle_of(after))
+        return *(part * self.sliding.total for part in SNAPSHOTS), *left
 
     def volumes(
         self, distance: float, form: Form | None = None, extent: tuple[float, float] | None = None
@@ -37,7 +434,7 @@ class Content(Programme):
         counter-body's, over an extent, by default the domain's [mm].
         """
         form, extent = form or self.counter.form, extent or self.grid.sides
-        profiles = self.profiles or (None, None)
+        profiles = self.pair.profiles or (None, None)
         counter, disc = (
             self._volume(law, distance)
             if profile is None
@@ -53,55 +450,6 @@ class Content(Programme):
     def _volume(self, law: WearLaw, distance: float) -> float:
         """Return Σ K F ΔL of a law over the test's first distance [mm³]."""
         return sum(b.load * law.wear_per_pressure(b.start, b.slides(distance)) for b in self.blocks)
-
-    @property
-    def profiles(self) -> tuple[DepthProfile, DepthProfile] | None:
-        """What counter-body and disc are made of by worn depth; None where both are alike at all depths."""
-        if not (self.counter.has_depths or self.disc.has_depths):
-            return None
-        hardness = self.contact.hardness
-        if hardness is None and self.study.model == "macro":
-            hardness = math.inf
-        resolved = partial(self.wear.resolved, hardness=self.wear_hardness, friction=self.friction)
-        limits = {"hardness": hardness, "shear_strength": self.friction.shear_strength}
-        return depth_profiles((self.counter, self.disc), self.wear_coefficients, resolved, **limits)
-
-    def _check(self) -> None:
-        """Give a force the stroke of the unworn bodies, by which distances count."""
-        super()._check()
-        elastic = self.effective_modulus is not None and self.counter.has_hertz
-        if self.sliding.force is not None and elastic:
-            self.sliding._travel = 2.0 * self._displacement(self.sliding.force)
-
-    def _displacement(self, force: float = math.inf) -> float:
-        """Return the amplitude of unworn bodies under a force [N], by default that which slips [mm]."""
-        assert self.hertz is not None  # checked with the study
-        friction = self.friction.coefficient
-        ratio = force / (friction * self.contact.load)
-        return displacement(self.hertz, self.softness_ratio, friction, ratio)
-
-    @property
-    def slides_by(self) -> float:
-        """Return by how much a drive slides unworn bodies as a whole [mm]; below 0 a part sticks."""
-        sliding, limit = self.sliding, self.friction.coefficient * self.contact.load
-        if sliding.force is not None:
-            return -math.inf
-        return 0.5 * (sliding.stroke or 0.0) - sliding.rig_compliance * limit - self._displacement()
-
-    @property
-    def softness_ratio(self) -> float:
-        """Return κ, the tangential over the normal compliance of the contact; 1 where it is unknown."""
-        counter, disc = self.counter.elastic, self.disc.elastic
-        if counter is None or disc is None:
-            return 1.0
-        return softness_ratio(counter, disc, line=self.is_line)
-
-    @property
-    def kinematics(self) -> str:
-        """How the bodies move: "fretting" where one contact stands for all places of a stroke."""
-        if not self.sliding.frets:
-            return super().kinematics
-        return "fretting" if self.positions == "mean" else "swept"
 
     @property
     def positions(self) -> str:
@@ -130,7 +478,7 @@ class Content(Programme):
             return None
         return Fretting(
             friction=self.friction.coefficient,
-            kappa=self.softness_ratio,
+            kappa=self.pair.softness_ratio,
             stroke=sliding.lap,
             force=sliding.force,
             of_body=sliding.stroke_of == "body",
@@ -144,75 +492,19 @@ class Content(Programme):
         return self.study.model != "macro" or self.wear.law == "bearing-curve"
 
     @property
-    def caps_pressure(self) -> bool:
-        """True where a hardness limits the pressure of a cell."""
-        return math.isfinite(self.hardness)
-
-    @property
     def uses_bearing_area(self) -> bool:
         """True where contacts have no compliance: neither a stiffness nor implicit wear."""
         if self.contact.law == "half-space":
             return False
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
         worn = worn and not (self.wear.sheds and self.wear.dust_fraction == 0.0)
-        return math.isinf(self.stiffness) and not (self.stepping.scheme == "implicit" and worn)
-
-    @property
-    def softer_hardness(self) -> float | None:
-        """The smaller of the bodies' hardnesses that are given [MPa]; None where neither is."""
-        return min((h for h in (self.counter.hardness, self.disc.hardness) if h is not None), default=None)
-
-    @property
-    def indentation_hardness(self) -> float:
-        """H of a cell without shear [MPa]: contact.hardness, or for rough cells the softer body's."""
-        if self.contact.hardness is not None:
-            return self.contact.hardness
-        hardness = None if self.study.model == "macro" else self.softer_hardness
-        return math.inf if hardness is None else hardness
-
-    @property
-    def caps(self) -> tuple[float, float]:
-        """Largest pressures of a cell with its film and without [MPa], which growing junctions lower."""
-        friction, hardness = self.friction, self.indentation_hardness
-        grown = friction.junction_growth, friction.largest_coefficient or math.inf
-        bare = grown_cap(hardness, friction.shear_strength or 0.0, *grown)
-        if friction.film is None:
-            return bare, bare
-        return grown_cap(hardness, friction.film.shear_strength, *grown), bare
-
-    @property
-    def cell_caps(self) -> tuple[float, ...]:
-        """Largest pressures that cells may have [MPa]: `caps`, or of all pairs of materials that may meet.
-
-        The first pair is that of both surfaces.
-        """
-        if self.profiles is None:
-            return self.caps
-        counter, disc = ([m.hardness for m in profile.materials] for profile in self.profiles)
-        return tuple(min(pair) for pair in itertools.product(counter, disc))
-
-    @property
-    def hardness(self) -> float:
-        """Largest pressure of any cell [MPa]: that of `cell_caps` which is largest."""
-        return max(self.cell_caps)
-
-    @property
-    def film(self) -> Film | None:
-        """The film that the bodies have; None without one."""
-        film = self.friction.film
-        return None if film is None else film.with_caps(self.caps, self.friction.shear_strength)
-
-    @property
-    def effective_modulus(self) -> float | None:
-        """E* of both bodies [MPa]; None where elastic constants are unknown."""
-        counter, disc = self.counter.elastic, self.disc.elastic
-        return None if counter is None or disc is None else effective_modulus(counter, disc)
+        return math.isinf(self.pair.stiffness) and not (self.stepping.scheme == "implicit" and worn)
 
     @property
     def resolved(self) -> dict[str, Any]:
         """Map the keys that were left open to what they come to under the choices made."""
         resolved: dict[str, Any] = {
-            "contact.hardness": text(self.indentation_hardness, "MPa"),
+            "contact.hardness": text(self.pair.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
             "sliding.kinematics": "fretting" if self.sliding.frets else self.kinematics,
             "stepping.first": text(self.increments[0], "mm"),
@@ -224,210 +516,46 @@ class Content(Programme):
             resolved["sliding.shift"] = self.shift
         if self.sliding.frets:
             resolved["sliding.positions"] = self.positions
-        values = self.model_dump()
-        return {name: value for name, value in resolved.items() if value_of(values, name) is None}
-
-    @property
-    def hertz(self) -> Hertz | None:
-        """Hertz's contact before any wear, under the largest load; None for other forms or constants."""
-        modulus, form, load = self.effective_modulus, self.counter.form, max(b.load for b in self.blocks)
-        if modulus is None or not self.counter.has_hertz:
-            return None
-        along, across = (1.0 / rise if rise else math.inf for rise in (form.along, form.across))
-        # Along which a cylinder lies, it is as long as the domain.
-        return Hertz(modulus, along, load, across, self.grid.sides[1 if form.along else 0])
-
-    @property
-    def junction_strength(self) -> float | None:
-        """Shear strength σ_j of junctions [MPa]: as given, or from the softer body's hardness.
-
-        Not from contact.hardness, which may be fitted to a contact: d* goes with 1/σ_j².
-        """
-        if self.junctions.strength is not None or self.softer_hardness is None:
-            return self.junctions.strength
-        return junction_strength(self.softer_hardness)
-
-    @property
-    def yield_strength(self) -> float | None:
-        """Stress at which the disc yields in tension [MPa]; by default a third of its hardness (Tabor 1951).
-
-        None where neither is known.
-        """
-        if self.disc.yield_strength is not None:
-            return self.disc.yield_strength
-        hardness = self.indentation_hardness if self.disc.hardness is None else self.disc.hardness
-        return hardness / 3.0 if math.isfinite(hardness) else None
-
-    @property
-    def shear_limit(self) -> float:
-        """Shear strength of the softer body [MPa]; of contact.hardness where no body's is known.
-
-        H/(3√3), or H/√α where junctions grow: there a cell under that shear bears no pressure. Of layers the
-        hardest counts: where it meets the other body no shear is beyond what is borne.
-        """
-        growth = self.friction.junction_growth
-        softer = self.indentation_hardness if self.softer_hardness is None else self.softer_hardness
-        if self.profiles is not None:
-            softer = min(max(m.hardness for m in profile.materials) for profile in self.profiles)
-        return softer / math.sqrt(growth) if growth else junction_strength(softer)
-
-    @property
-    def critical_junction(self) -> float | None:
-        """Diameter d* [mm] below which junctions of the softer body smooth out; None where it is unknown."""
-        energy, strength = self.junctions.surface_energy, self.junction_strength
-        softer = self.counter if self.counter.hardness == self.softer_hardness else self.disc
-        if energy is None or strength is None or softer.elastic is None:
-            return None
-        young, poisson = softer.elastic
-        shear_modulus = young / (2.0 * (1.0 + poisson))
-        return critical_junction(
-            surface_energy=energy, shear_modulus=shear_modulus, poisson=poisson, strength=strength
-        )
-
-    @property
-    def critical_diameter(self) -> float | None:
-        """Diameter d* [mm] above which a junction loses pieces: that of pieces, else of eq 2.3, or None."""
-        return self.pieces.diameter if self.pieces else self.critical_junction
-
-    @property
-    def stiffness(self) -> float:
-        """Return the stiffness of a cell before any wear [N/mm³]; p = clip((approach − gap) × it, 0, H).
-
-        It is infinite for a bearing area, and on the half-space, which yields instead.
-        """
-        if self.contact.law == "half-space":
-            return math.inf
-        return self.bulk_stiffness() if self.study.model == "macro" else self.contact.stiffness
-
-    def stable_increment(self, wear_coefficient: float) -> float:
-        """Return the largest stable increment of explicit Archard wear, 2c/K with c = 1/stiffness [mm].
-
-        Infinite without a foundation: there the step has no stability limit, only an accuracy of K H ΔL.
-        wear_coefficient: K of both bodies together [mm²/N].
-        """
-        if math.isinf(self.stiffness) or wear_coefficient == 0.0:
-            return math.inf
-        return 2.0 / self.stiffness / wear_coefficient
-
-    def bulk_stiffness(self) -> float:
-        """Return K_N [N/mm³] of both bodies' bulk before any wear."""
-        stiffness = self.contact.bulk_stiffness
-        if not isinstance(stiffness, str):
-            return stiffness
-        assert self.hertz is not None  # checked with the study
-        return self.hertz.foundation(stiffness)
+        return {name: value for name, value in resolved.items() if attribute_of(self, name) is None}
 
     @property
     def contact_task(self) -> ContactTask:
         """What models, their history and their steps need of this study."""
+        pair, elastic = self.pair, self.contact.law == "half-space" and self.study.model == "micro"
         return ContactTask(
             load=self.contact.load,
-            hardness=self.hardness if self.profiles is None else self.cell_caps[0],
+            hardness=pair.hardness if pair.profiles is None else pair.cell_caps[0],
             form=self.counter.form,
-            wear=self.surface_laws,
-            compliance=1.0 / self.stiffness,
+            wear=pair.surface_laws,
+            compliance=1.0 / pair.stiffness,
             implicit=self.stepping.scheme == "implicit",
             rigid=self.uses_bearing_area,
             load_tolerance=self.load_tolerance,
             distance_factor=self.wear.distance_factor,
-            keeps_dents=self.sliding.plastic == "keep" and math.isfinite(self.hardness),
+            keeps_dents=self.sliding.plastic == "keep" and math.isfinite(pair.hardness),
             bulk_stiffness=self.contact.bulk_stiffness,
-            bulk_updated=self.uses_bulk_stiffness and self.contact.bulk_update == "updated",
-            uses_bulk_stiffness=self.uses_bulk_stiffness,
-            hertz=self.hertz,
+            bulk_updated=pair.uses_bulk_stiffness and self.contact.bulk_update == "updated",
+            uses_bulk_stiffness=pair.uses_bulk_stiffness,
+            hertz=pair.hertz,
             prescribed_loads=self.patches.coupling == "load",
             half_space=self.contact.law == "half-space",
-            modulus=self.effective_modulus,
+            modulus=pair.effective_modulus,
             boundary=self.boundary,
-            film=self.film,
-            pieces=self.pieces,
-            static_area_every=self.static_area_every,
+            film=pair.film,
+            pieces=pair.pieces,
+            static_area_every=self.output.static_area_every if elastic else 0,
             fretting=self.fretting,
-            profiles=self.profiles,
-            largest_shear=self.largest_shear,
+            profiles=pair.profiles,
+            largest_shear=pair.largest_shear,
             features=self.features,
         )
 
     @property
     def features(self) -> dict[str, FeatureLaw]:
         """The laws of features of its sections, by the keys that ask for them."""
-        laws = (pair for section in vars(self).values() for pair in getattr(section, "features", {}).items())
+        sections = (getattr(self, name) for name in type(self).model_fields)
+        laws = (law for section in sections for law in getattr(section, "features", {}).items())
         return {name: law for name, law in laws if uses(self, name)}
-
-    @property
-    def jumps(self) -> bool:
-        """True where a computed cycle may stand for more than itself: of itself not of what acts in steps."""
-        return super().jumps and (
-            self.stepping.jump != "auto" or all(f.jumps for f in self.features.values())
-        )
-
-    @property
-    def pieces(self) -> Pieces | None:
-        """The pieces by which bodies wear; None where all wear leaves at once."""
-        return self.wear.pieces(self.critical_junction)
-
-    @property
-    def uses_bulk_stiffness(self) -> bool:
-        """True where the stiffness K_N of the bulk plays a part."""
-        if self.study.model == "two-scale":
-            return self.patches.bulk == "spring" or self.patches.coupling == "load"
-        return self.study.model == "macro"
-
-    @property
-    def wear_coefficients(self) -> tuple[float, float]:
-        """K of counter-body and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
-        counter, disc = self.wear_laws
-        return counter.steady, disc.steady
-
-    @property
-    def wear_laws(self) -> tuple[WearLaw, WearLaw]:
-        """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness, self.friction)
-
-    @property
-    def friction_law(self) -> FrictionLaw:
-        """The law by which cells shear."""
-        return self.friction.law_with()
-
-    @property
-    def surface_laws(self) -> tuple[WearLaw, WearLaw]:
-        """The laws by which the unworn surfaces of counter-body and disc wear, which layers may be."""
-        profiles = self.profiles or (None, None)
-        counter, disc = (
-            law if profile is None else replace(law, steady=profile.materials[0].wear)
-            for law, profile in zip(self.wear_laws, profiles, strict=True)
-        )
-        return counter, disc
-
-    @property
-    def wears_by_area(self) -> bool:
-        """True where cells in contact wear by their shear strength, whatever their pressure."""
-        return self.wear.law == "energy" and self.friction.law == "shear-strength"
-
-    @property
-    def shears_unalike(self) -> bool:
-        """True where the shear of a cell follows from the layers that meet there, or is bounded."""
-        return shears_unalike(self.profiles or (), self.largest_shear)
-
-    @property
-    def other_shear(self) -> str:
-        """Say, behind a shear strength, what shears cells by another one; nothing where none does."""
-        film, largest = self.friction.film, self.friction.largest_coefficient
-        own = [f", film {film.shear_strength:g} MPa"] if film else []
-        own += [", layers by their own"] if shears_unalike(self.profiles or ()) else []
-        return "".join([*own, f", at most {largest:g} of the pressure of a cell"] if largest else own)
-
-    @property
-    def largest_shear(self) -> float:
-        """Largest shear of a cell over its pressure and the bodies' strength [1/MPa]; infinite without."""
-        largest, strength = self.friction.largest_coefficient, self.friction.shear_strength
-        return largest / strength if largest and strength else math.inf
-
-    @property
-    def wear_hardness(self) -> float:
-        """Return H of V = k F L / H [MPa]: contact.hardness, or the softer body's."""
-        limit = self.contact.hardness
-        return (self.softer_hardness or math.inf) if limit is None else limit
 
     @property
     def load_tolerance(self) -> float:

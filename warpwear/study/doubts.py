@@ -9,7 +9,7 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import is_whole
 from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
-from warpwear.study.keys import attribute_of, given_keys
+from warpwear.study.keys import attribute_of
 from warpwear.study.motion import in_words
 from warpwear.study.rules import CELLS, diameter, longest_step, um, unstable, without_unit
 from warpwear.study.rules_track import sides_worn, spared, worn_patch
@@ -32,10 +32,20 @@ SCATTER = 0.2
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     of_whole = (_of_mean, _of_track, _of_extent, _of_line_load, _of_seam, _of_hardness, _of_film)
-    for doubt in (*of_whole, _of_layers):
+    for doubt in (_of_unused_keys, *of_whole, _of_layers):
         yield from doubt(study)
     of_parts = (_of_parabola, _of_pieces, _of_steps, _of_part)
     yield from dict.fromkeys(text for part in study.parts for doubt in of_parts for text in doubt(part))
+
+
+def _of_unused_keys(study: Content) -> Iterator[str]:
+    """Yield a sentence about each reason why keys are given but not used."""
+    reasons: dict[str, list[str]] = {}
+    for name, why in study.unused_keys.items():
+        if name in study.given_keys:
+            reasons.setdefault(why, []).append(name)
+    for why, names in reasons.items():
+        yield f"{', '.join(names)} {why if len(names) == 1 else why.replace('does not', 'do not', 1)}."
 
 
 def _of_part(study: Content) -> Iterator[str]:
@@ -89,7 +99,7 @@ def _of_film(study: Content) -> Iterator[str]:
 def _of_layers(study: Content) -> Iterator[str]:
     """Yield a sentence about layers so thick that the contact would feel their own elastic constants."""
     half = min(study.hertz.semi_axes) if study.hertz is not None else math.inf
-    for body, profile in zip(BODIES, study.profiles or (), strict=False):
+    for body, profile in zip(BODIES, study.pair.profiles or (), strict=False):
         if not profile.graded and profile.depths[-1] > THIN * half:
             yield (
                 f"{body}.layers are {um(profile.depths[-1])} thick, {profile.depths[-1] / half:.2g} of the "
@@ -100,7 +110,7 @@ def _of_layers(study: Content) -> Iterator[str]:
 
 def _of_hardness(study: Content) -> Iterator[str]:
     """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
-    limit, explicit = study.contact.hardness, given_keys(study) - study.assumed.keys()
+    limit, explicit = study.contact.hardness, study.given_keys - study.assumed.keys()
     names = [name for name in ("counter.hardness", "disc.hardness") if name in explicit]
     if limit is not None and names:
         bodies = " and ".join(f"{name} = {attribute_of(study, name):g} MPa" for name in names)
@@ -111,8 +121,8 @@ def _of_hardness(study: Content) -> Iterator[str]:
     if bare := " and ".join(without_unit(study)):
         which = "that of the softer body," if limit is None else "contact.hardness ="
         yield (
-            f"{bare}: k of V = k F L / H, with one H for both bodies, {which} {study.wear_hardness:g} MPa; "
-            "a K has a unit, such as '1e-4 mm^3/N/m'."
+            f"{bare}: k of V = k F L / H, with one H for both bodies, {which} "
+            f"{study.pair.wear_hardness:g} MPa; a K has a unit, such as '1e-4 mm^3/N/m'."
         )
 
 
@@ -163,7 +173,7 @@ def _of_track(study: Content) -> Iterator[str]:
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
     local = study.contact.law == "local" and not study.uses_bearing_area
-    if local and math.isinf(study.stiffness):
+    if local and math.isinf(study.pair.stiffness):
         finer = "sliding.shift" if study.shift > 1 else "grid.cell"
         yield (
             f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
@@ -235,7 +245,7 @@ def _repeats(disc: Synthetic | None, length: float, *, across: bool = False) -> 
 
 def _of_pieces(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    pieces = study.pieces
+    pieces = study.pair.pieces
     if pieces is None:
         return
     if study.wear.particle == "critical":
@@ -250,7 +260,7 @@ def _of_pieces(study: Content) -> Iterator[str]:
 
 def _of_steps(study: Content) -> Iterator[str]:
     """Yield a sentence where a step takes more off a cell at the hardness than the pieces bear."""
-    pieces = study.pieces
+    pieces = study.pair.pieces
     if pieces is None or not math.isfinite(study.hardness):
         return
     slid, fraction = longest_step(study)
@@ -271,10 +281,10 @@ def _of_steps(study: Content) -> Iterator[str]:
 
 def _of_critical(study: Content, pieces: Pieces) -> str:
     """Return a sentence about the number that 'critical' comes to, and how little is known of it."""
-    strength = study.junction_strength or 0.0
+    strength = study.pair.junction_strength or 0.0
     low, high = (pieces.diameter / (1.0 + sign * SCATTER) ** 2 for sign in (1.0, -1.0))
     if study.junctions.strength is None:
-        by = f"by the softer body's hardness of {study.softer_hardness:g} MPa, and goes with 1/H²: H"
+        by = f"by the softer body's hardness of {study.pair.softer_hardness:g} MPa, and goes with 1/H²: H"
     else:
         by = f"by junctions.strength = {strength:g} MPa, and goes with 1/σ_j²: one"
     return (

@@ -68,7 +68,7 @@ class Demand:
         demanding = attribute_of(study, key)
         if any(rule.why_not(study) for rule in self.where):
             return None
-        if demanding not in self.of if self.of else not (demanding and _is_given(study, key)):
+        if demanding not in self.of if self.of else not (demanding and is_given(study, key)):
             return None
         value, other = attribute_of(study, self.name), declarations(type(study)).get(self.name)
         if self.excludes and other and other.why_not(study):
@@ -106,7 +106,7 @@ def _attribute(value: Any, part: str) -> Any:
     return getattr(value, part, None)
 
 
-def _is_given(study: BaseModel, name: str) -> bool:
+def is_given(study: BaseModel, name: str) -> bool:
     """Tell whether a key or section was given, and not left to its default."""
     section, _, last = name.rpartition(".")
     names = getattr(attribute_of(study, section), "model_fields_set", ())
@@ -266,12 +266,6 @@ def section_in(annotation: Any) -> type[BaseModel] | None:
     return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
 
 
-def given_keys(study: BaseModel) -> set[str]:
-    """Return the dotted names of the keys that were given, not left open or to their defaults."""
-    names = {name for name in declarations(type(study)) if _is_given(study, name)}
-    return {name for name in names if not isinstance(attribute_of(study, name), BaseModel)}
-
-
 @cache
 def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Declared]:
     """Map dotted names of keys and sections to what they declare, with the rules of sections above them."""
@@ -289,19 +283,6 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
     return MappingProxyType(keys)
 
 
-def files_of(study: BaseModel) -> dict[str, str]:
-    """Map the keys by which a study names files that it uses to the paths of these."""
-    named = {name: key for name, key in declarations(type(study)).items() if key.is_file}
-    paths = {name: attribute_of(study, name) for name, key in named.items() if not key.why_not(study)}
-    return {name: path for name, path in paths.items() if path}
-
-
-def inapplicable(study: BaseModel) -> dict[str, str]:
-    """Map keys that nothing uses under the choices made to the end of a sentence that says why."""
-    keys = declarations(type(study)).items()
-    return {name: why for name, declared in keys if (why := declared.why_not(study))}
-
-
 def check_keys(study: BaseModel) -> None:
     """Refuse keys that do not go together by their declarations: raises ValueError with one sentence.
 
@@ -313,7 +294,7 @@ def check_keys(study: BaseModel) -> None:
         for name, declared in declarations(type(study)).items()
         for demand in declared.demands
     ]
-    for demand, name, declared in sorted(demands, key=lambda entry: "." not in entry[0].name):
+    for demand, name, declared in sorted(demands, key=lambda d: "." not in d[0].name.removeprefix("pair.")):
         if not declared.why_not(study) and (refusal := demand.refusal(study, name)):
             raise ValueError(refusal)
 
@@ -325,25 +306,12 @@ def _check_choices(study: BaseModel) -> None:
         if not declared.one_of or attribute_of(study, name.rpartition(".")[0]) is None:
             continue
         names = [name, *_other_ways(model, name)]
-        said = [way for way in names if _is_given(study, way)]
+        said = [way for way in names if is_given(study, way)]
         titles = [f"[{way}]" if section_in(keys[way].field.annotation) else way for way in names]
         if name in said and len(said) > 1:
             raise ValueError(f"{name} and {titles[names.index(said[1])]} exclude each other")
         if declared.must_be_said and not said and not declared.why_not(study):
             raise ValueError(f"{', '.join(titles[:-1])} or {titles[-1]} must be given")
-
-
-def unused_key_notices(study: BaseModel) -> list[str]:
-    """Return a sentence about each reason why keys are given but not used."""
-    given_names = given_keys(study)
-    reasons: dict[str, list[str]] = {}
-    for name, why in inapplicable(study).items():
-        if name in given_names:
-            reasons.setdefault(why, []).append(name)
-    return [
-        f"{', '.join(names)} {why if len(names) == 1 else why.replace('does not', 'do not', 1)}."
-        for why, names in reasons.items()
-    ]
 
 
 def alternatives_of(model: type[BaseModel], name: str) -> set[str]:

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from difflib import get_close_matches
 from importlib import resources
 from pathlib import Path
@@ -184,22 +184,3 @@ def _remove(nested: dict[str, Any], name: str) -> None:
     section = value_of(nested, parent) if parent else nested
     if isinstance(section, dict):
         section.pop(last, None)
-
-
-#: Between a description and the keys changed since it was written.
-CHANGED = "; changed: "
-#: Sections of whose changes a description does not speak: names, checks, and what is written.
-NOT_DESCRIBED = ("study", "checks", "output", "assumed")
-
-
-def described(before: Content, after: Content, names: Iterable[str]) -> str:
-    """Return the description of a study followed by the keys changed since, those that it names included.
-
-    names: dotted, of the keys that were given anew.
-    """
-    text, _, listed = before.study.description.partition(CHANGED)
-    was, now = before.model_dump(), after.model_dump()
-    changed = [name for name in names if value_of(was, name) != value_of(now, name)]
-    changed = [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
-    listing = dict.fromkeys([*filter(None, listed.split(", ")), *changed])
-    return f"{text}{CHANGED}{', '.join(listing)}" if listing else text

@@ -35,7 +35,7 @@ SWEPT = when("kinematics", "swept")
 ON_A_CIRCLE = when(
     "sliding.uses_track_radius", otherwise="does not apply to sliding.kinematics = 'stationary'"
 )
-CAPPED = when("caps_pressure", otherwise="does not apply without a contact.hardness: no cell reaches it")
+CAPPED = when("pair.caps_pressure", otherwise="does not apply without a contact.hardness: no cell reaches it")
 STEPS = when(
     "kinematics",
     "stationary",
@@ -198,7 +198,7 @@ class Sliding(Section):
         applies=MEANS,
         demands=tuple(replace(demand, of=("body",)) for demand in DRIVES)
         + needs("sliding.stroke", of="body")
-        + needs("effective_modulus", of="body", what="the elastic constants of both bodies")
+        + needs("pair.effective_modulus", of="body", what="the elastic constants of both bodies")
         + excludes("contact.boundary", "line", of="body", why=", whose displacement has no absolute value")
         + excludes("sliding.positions", "cells", of="body"),
     )
@@ -208,7 +208,7 @@ class Sliding(Section):
         one_of="lap",
         demands=DRIVES
         + excludes("sliding.positions", "cells")
-        + needs("effective_modulus", what="the elastic constants of both bodies")
+        + needs("pair.effective_modulus", what="the elastic constants of both bodies")
         + needs("counter.has_hertz", what="a ball, a crowned body or a cylinder"),
     )
     rig_compliance: Annotated[float, Quantity("mm/N", NOT_NEGATIVE)] = key(

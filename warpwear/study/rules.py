@@ -1,9 +1,7 @@
 """Rules that the sections of a study must keep together before anything is computed."""
 
 import math
-import re
 from collections.abc import Iterator
-from itertools import pairwise
 
 import numpy as np
 
@@ -12,11 +10,10 @@ from warpwear.laws.archard import BODIES, COEFFICIENTS, MOST_KNOTS, knots_of
 from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
-from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
 from warpwear.study.content import Content
 from warpwear.study.keys import attribute_of, check_keys
-from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding, refuse_parts
+from warpwear.study.motion import refuse_parts
 from warpwear.study.units import LineLoad
 
 #: More steps than anybody waits for, or than a history holds.
@@ -76,58 +73,6 @@ def _fatigue(study: Content) -> None:
             f"fatigue.length = {1e3 * fatigue.length:g} µm is longer than the domain, {1e3 * side:g} µm; "
             "allowed is a length within it"
         )
-
-
-def sliding_of_blocks(study: Content) -> Sliding:
-    """Return [sliding] with the distance and the pass that blocks make together: raises ValueError."""
-    for name in LENGTHS:
-        if getattr(study.sliding, name) is not None:
-            raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
-    if not study.block:
-        raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
-    first = study.parts[0]
-    for number, part in enumerate(study.parts, 1):
-        try:
-            check(part)
-        except ValueError as error:
-            here = re.sub(
-                rf"(contact\.|sliding\.)({'|'.join(BlockSection.model_fields)})\b", r"\2", str(error)
-            )
-            raise ValueError(f"block {number}: {here}") from error
-        moves = [(one.is_swept, one.sliding.track_radius is None) for one in (part, first)]
-        if any(swept for swept, _ in moves) and moves[0] != moves[1]:
-            raise ValueError(
-                f"block {number}: it does not move as block 1 does; allowed are blocks of strokes alone, of "
-                "a track_radius alone, or at rest alone"
-            )
-    _circles(study)
-    laps = {block.lap for block in study.blocks}
-    for block, after in pairwise(study.blocks):
-        turns = block.lap != after.lap and not study.circles  # another stroke begins where the last one began
-        if first.is_swept and not is_whole(block.length / (block.lap or 1.0) / (2 if turns else 1)):
-            raise ValueError(
-                f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
-                f"{'pairs of ' if turns else ''}passes of {block.lap:g} mm, after which alone another "
-                f"{'stroke' if turns else 'block'} may follow on a track"
-            )
-    follows = {"distance": study.blocks[-1].end}
-    if study.sliding.lap is None or (first.is_swept and len(laps) == 1):  # what all blocks have in common
-        ways = {name: getattr(first.sliding, name) for name in WAYS}
-        follows |= {name: value for name, value in ways.items() if value != getattr(study.sliding, name)}
-    sliding = study.sliding.model_copy(update=follows)
-    sliding.model_fields_set.difference_update(follows)
-    return sliding
-
-
-def _circles(study: Content) -> None:
-    """Refuse circles of a disc so close that the contact on one would reach another."""
-    wide = study.grid.sides[1]
-    for radius, other in pairwise(sorted(study.circles)):
-        if study.is_line or other - radius < wide * (1.0 - WHOLE):
-            raise ValueError(
-                f"block: tracks of {radius:g} and {other:g} mm radius would overlap: allowed are one "
-                f"track_radius, or {wide:g} mm (grid.extent) between, and a counter-body that ends across"
-            )
 
 
 def _fretting(study: Content) -> None:
@@ -199,7 +144,7 @@ def _factors(study: Content) -> None:
     """Refuse factors of the shear strength where caps or wear follow from one strength at all steps."""
     growth = study.friction.junction_growth
     beside = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
-    factors = study.friction.law_with().factors if growth or study.wears_by_area else ()
+    factors = study.friction.law_with().factors if growth or study.pair.wears_by_area else ()
     for key in (factor.keys[0] for factor in factors if growth or factor is not RUNNING_IN):
         raise ValueError(
             f"friction.{key} does not go with {beside}, which does not follow it; allowed is none"
@@ -208,7 +153,7 @@ def _factors(study: Content) -> None:
 
 def _junction_growth(study: Content) -> None:
     """Refuse junctions that grow where the shear leaves a cell no pressure."""
-    growth, hardness = study.friction.junction_growth, study.indentation_hardness
+    growth, hardness = study.friction.junction_growth, study.pair.indentation_hardness
     for key in ("friction.shear_strength", "friction.film.shear_strength"):
         strength = attribute_of(study, key) or 0.0
         if not study.friction.largest_coefficient and growth and strength * math.sqrt(growth) >= hardness:
@@ -221,7 +166,7 @@ def _junction_growth(study: Content) -> None:
 
 def _pieces(study: Content) -> None:
     """Refuse pieces that cannot be computed as they are asked for: raises ValueError with one sentence."""
-    pieces = study.pieces
+    pieces = study.pair.pieces
     if pieces is None:
         return
     named = f"wear.particle = {diameter(study, pieces)}"
@@ -251,12 +196,12 @@ def um(length: float) -> str:
 
 
 def _hardness(study: Content) -> None:
-    if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
+    if study.study.model != "macro" and study.contact.hardness is None and study.pair.softer_hardness is None:
         raise ValueError(
             "contact.hardness, or the hardness or material of the counter-body or the disc, must be given "
             "('inf MPa' is none)"
         )
-    hardness = study.softer_hardness if study.contact.hardness is None else study.contact.hardness
+    hardness = study.pair.softer_hardness if study.contact.hardness is None else study.contact.hardness
     if hardness is None or not math.isfinite(hardness):
         for named in without_unit(study):
             raise ValueError(
@@ -299,7 +244,7 @@ def without_unit(study: Content) -> Iterator[str]:
 
 def _capacity(study: Content) -> None:
     load, cells, form = study.contact.load, study.cells, study.counter.form
-    least = min(study.cell_caps)  # all cells may become bare
+    least = min(study.pair.cell_caps)  # all cells may become bare
     inside = max(min(form.reach, 0.5 * cells.cell * min(cells.shape)) - cells.cell, 0.0)
     if load <= least * math.pi * inside**2:  # of a circle that lies in cells with a body: they carry it
         return
@@ -319,7 +264,7 @@ def _capacity(study: Content) -> None:
 
 def _of_sheared(study: Content) -> str:
     """Say how much of the hardness the shear of growing junctions leaves, where they grow."""
-    growth, least = study.friction.junction_growth, min(study.caps)
+    growth, least = study.friction.junction_growth, min(study.pair.caps)
     if growth == 0.0:
         return ""
     return f", as friction.junction_growth = {growth:g} leaves {least:.4g} MPa of it to sheared cells"
@@ -358,7 +303,10 @@ def unstable(study: Content) -> str | None:
         return None
     counter, disc = (float(law.rates(study.hardness).max()) for law in study.wear_laws)
     slid, fraction = longest_step(study)
-    limit = study.stable_increment(counter + fraction * disc)
+    stiffness, wear = study.pair.stiffness, counter + fraction * disc
+    if math.isinf(stiffness) or wear == 0.0:  # without a foundation only an accuracy of K H ΔL limits it
+        return None
+    limit = 2.0 / stiffness / wear
     if slid < limit:
         return None
     named = f"stepping.{_largest(study)} = {study.increments[2]:g} mm"

@@ -90,7 +90,7 @@ FOLLOWED: tuple[tuple[str, str], ...] = (
 
 def check_layers(study: Content) -> None:
     """Refuse materials by depth that do not go with the rest: raises ValueError with one sentence."""
-    for body, law, profile in zip(BODIES, study.wear_laws, study.profiles or (None, None), strict=True):
+    for body, law, profile in zip(BODIES, study.wear_laws, study.pair.profiles or (None, None), strict=True):
         section = getattr(study, body)
         for number, layer in enumerate(section.layers or (), 1):
             _check_layer(study, f"{body}.layers.{number}", layer)
@@ -108,7 +108,7 @@ def check_layers(study: Content) -> None:
             )
     how = "patches" if study.study.model == "two-scale" else study.kinematics
     how += " by slips of each cell" * study.sliding.drives_bodies
-    if study.profiles is not None and (how, study.contact.law) not in FOLLOWED:
+    if study.pair.profiles is not None and (how, study.contact.law) not in FOLLOWED:
         raise ValueError(
             f"layers and gradients: steps of contact.law = '{study.contact.law}', {how}, do not follow them; "
             f"allowed are {' or '.join(map(', '.join, FOLLOWED)) or 'none'}"
@@ -179,10 +179,12 @@ def worn_widths(study: Content, distance: float | None = None) -> tuple[float, f
 
 def _of_fretting(study: Content, at_rest: tuple[float, float]) -> tuple[float, float]:
     """Return the widths of scars [mm] that a stroke makes longer; of what may stick, of the contact alone."""
-    lap, hertz = study.sliding.lap or 0.0, study.hertz
-    if not study.sliding.drives_bodies:
+    sliding, hertz = study.sliding, study.hertz
+    lap, limit = sliding.lap or 0.0, study.friction.coefficient * study.contact.load
+    if not sliding.drives_bodies:
         return at_rest[0] + lap * (at_rest[0] > 0.0), at_rest[1]
-    if hertz is None or study.slides_by > 0.0:
+    slips = 0.5 * lap - sliding.rig_compliance * limit  # by as much a drive moves the bodies
+    if hertz is None or (sliding.force is None and slips - study.pair.displacement() > 0.0):
         return at_rest
     along, across = hertz.semi_axes
     return _held(study.counter.form, (2.0 * along, 2.0 * across))

@@ -1,16 +1,22 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import ValidationError
+from pydantic import ValidationError, model_validator
 
 from warpwear.errors import InputError
 from warpwear.study import doubts, loading, rules, text
 from warpwear.study.content import Content
-from warpwear.study.keys import dotted, unused_key_notices
+from warpwear.study.keys import dotted, value_of
+from warpwear.study.resolve import resolve
+
+#: Between a description and the keys changed since it was written.
+CHANGED = "; changed: "
+#: Sections of whose changes a description does not speak: names, checks, and what is written.
+NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
 
 class Study(Content):
@@ -43,10 +49,15 @@ class Study(Content):
             section, _, key = name.partition(".")
             getattr(self, section).model_fields_set.discard(key)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _resolved(cls, sections: dict[str, Any]) -> dict[str, Any]:
+        """Fill in what sections say only together; their own validation comes first."""
+        written = Content(**sections)
+        content = resolve(written)
+        return {name: getattr(content, name) for name in written.model_fields_set}
+
     def _check(self) -> None:
-        super()._check()
-        if self.block is not None:
-            self.__dict__["sliding"] = rules.sliding_of_blocks(self)  # frozen once it is made
         rules.check(self)
 
     def __eq__(self, other: object) -> bool:
@@ -84,7 +95,7 @@ class Study(Content):
             A sentence about each unused key, and each number that misleads.
         """
         total = self.sliding.total
-        sentences = [*unused_key_notices(self), *doubts.doubts(self)]
+        sentences = list(doubts.doubts(self))
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
@@ -103,7 +114,11 @@ class Study(Content):
         str
             The text.
         """
-        return text.to_marked_toml(self) if marked else text.to_toml(self)
+        if marked:
+            return text.to_marked_toml(self.used_keys, self.assumptions, self.given_keys)
+        left_open = self.resolved  # stays so: it follows from the others, also when those are changed later
+        keys = {name: value for name, value in self.used_keys.items() if name not in left_open}
+        return text.to_toml(keys, self.assumptions)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
@@ -183,6 +198,17 @@ class Study(Content):
         changed_study = type(self)(**nested)
         if not self.study.description or "study.description" in flat:
             return changed_study
-        described = loading.described(self, changed_study, flat)
-        changed_study.study.__dict__["description"] = described  # frozen once it is made
-        return changed_study
+        about = changed_study.study.model_copy(update={"description": self._changed(changed_study, flat)})
+        return changed_study.model_copy(update={"study": about})
+
+    def _changed(self, after: "Study", names: Iterable[str]) -> str:
+        """Return the description followed by the keys changed since, those that it names included.
+
+        names: dotted, of the keys that were given anew.
+        """
+        about, _, listed = self.study.description.partition(CHANGED)
+        was, now = self.model_dump(), after.model_dump()
+        changed = [name for name in names if value_of(was, name) != value_of(now, name)]
+        changed = [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
+        listing = dict.fromkeys([*filter(None, listed.split(", ")), *changed])
+        return f"{about}{CHANGED}{', '.join(listing)}" if listing else about

@@ -1,7 +1,7 @@
 """A study is written as TOML text, for files and for people."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from reprlib import Repr
 from typing import Any
@@ -9,21 +9,9 @@ from typing import Any
 import tomli_w
 from pydantic import BaseModel, ValidationError, create_model
 
-from warpwear.errors import InputError, printable
-from warpwear.study.bodies import CONSTANTS
-from warpwear.study.content import Content
-from warpwear.study.keys import (
-    TABLES,
-    declarations,
-    given_keys,
-    inapplicable,
-    key_of,
-    no_such_key,
-    plural,
-    section_in,
-)
-from warpwear.study.loading import FILES, insert
-from warpwear.study.materials import material
+from warpwear.errors import InputError
+from warpwear.study.keys import TABLES, key_of, no_such_key, plural, section_in
+from warpwear.study.loading import FILES, nested
 from warpwear.study.units import is_quantity
 
 #: Writes a value into a sentence, what is long or deep in short.
@@ -31,27 +19,21 @@ _SHOWN = Repr()
 _SHOWN.maxstring = _SHOWN.maxother = 200
 
 
-def to_toml(study: Content) -> str:
-    """Return every key that applies, after defaults, as TOML that `Study.load` reads back without loss.
+def to_toml(keys: Mapping[str, Any], assumed: Mapping[str, str]) -> str:
+    """Return keys and their values as TOML that `Study.load` reads back without loss.
 
-    Keys that were left open stay open: they follow from the others, also when those are changed later.
+    assumed: why keys were assumed, defaults included, which look like given values in this text.
     """
-    nested: dict[str, Any] = {}
-    left_open = study.resolved
-    for name, value in _applicable(study):
-        if name not in left_open:
-            insert(nested, name, str(Path(value).absolute()) if name in FILES and value else value)
-    assumed = assumptions(study)  # of defaults too, which look like given values in this text
-    return tomli_w.dumps(nested | ({"assumed": assumed} if assumed else {}))
+    files = {name: str(Path(keys[name]).absolute()) for name in FILES if keys.get(name)}
+    sections = nested({**keys, **files})
+    return tomli_w.dumps(sections | ({"assumed": dict(assumed)} if assumed else {}))
 
 
-def to_marked_toml(study: Content) -> str:
-    """Return the keys that apply as TOML for people: defaults are marked, assumptions give their reasons."""
-    explicit = given_keys(study)
-    reasons = assumptions(study)
+def to_marked_toml(keys: Mapping[str, Any], assumed: Mapping[str, str], given: Collection[str]) -> str:
+    """Return keys as TOML for people: those not given are marked, assumptions give their reasons."""
     lines: list[str] = []
     section = ""
-    for name, value in _applicable(study):
+    for name, value in keys.items():
         if name in TABLES:  # of which every key was given
             lines += [
                 line for table in value for line in ("", f"[[{name}]]", tomli_w.dumps(readable(table))[:-1])
@@ -62,50 +44,9 @@ def to_marked_toml(study: Content) -> str:
             section = parent
             lines += ["", f"[{section}]"]
         text = tomli_w.dumps({key: readable(value)}, indent=0).strip().replace("\n", " ")
-        mark = f"ASSUMED: {reasons[name]}" if name in reasons else "" if name in explicit else "default"
+        mark = f"ASSUMED: {assumed[name]}" if name in assumed else "" if name in given else "default"
         lines.append(f"{text:<38}# {mark}" if mark else text)
     return "\n".join(lines[1:])
-
-
-def assumptions(study: Content) -> dict[str, str]:
-    """Map dotted keys to why they were assumed, in the study's own words or by a default that is a choice."""
-    explicit = given_keys(study)
-    reasons = {}
-    for name, _ in _applicable(study):
-        body, _, constant = name.partition(".")
-        if name in study.assumed:
-            reasons[name] = printable(study.assumed[name])
-        elif name in explicit:
-            continue
-        elif body != "contact" and constant in CONSTANTS:
-            known = material(getattr(study, body).material)
-            reasons[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
-        elif assumed := declarations(type(study))[name].assumed:
-            reasons[name] = assumed
-    return reasons
-
-
-def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
-    """Yield the dotted names and values of the keys that something uses."""
-    skipped = inapplicable(study)
-    content = study.model_dump(exclude={"assumed"})
-    for name, value in study.resolved.items():
-        insert(content, name, value)
-
-    def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-        keys = sorted(content, key=lambda key: (isinstance(content[key], dict), prefix + key in TABLES))
-        for name, value in ((prefix + key, content[key]) for key in keys):
-            if isinstance(value, dict):
-                yield from walk(f"{name}.", value)
-            elif value is not None and name not in skipped:
-                yield name, [_given(table) for table in value] if name in TABLES else value
-
-    yield from walk("", content)
-
-
-def _given(table: dict[str, Any]) -> dict[str, Any]:
-    """Return the keys of a table that have a value."""
-    return {key: value for key, value in table.items() if value is not None}
 
 
 def readable(value: Any) -> Any:

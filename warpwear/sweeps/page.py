@@ -19,7 +19,6 @@ from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results import manifest
 from warpwear.results.ensemble import band, is_label
-from warpwear.study.text import assumptions
 from warpwear.sweeps.figures import figures_of, groups_of
 from warpwear.sweeps.table import SweepResult
 
@@ -48,7 +47,7 @@ def page(result: SweepResult, pictures: Mapping[str, bytes], experiments: Sequen
     """Make the page. pictures: name of a figure -> PNG file."""
     plan = result.plan
     total, done = len(result.rows), sum(row.status == "done" for row in result.rows)
-    assumed = {key: why for key, why in assumptions(plan.study).items() if key not in plan.keys}
+    assumed = {key: why for key, why in plan.study.assumptions.items() if key not in plan.keys}
     content = {
         "name": f"{plan.study.study.name}: sweep",
         "description": plan.study.study.description,

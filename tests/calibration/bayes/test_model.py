@@ -19,6 +19,7 @@ from warpwear.calibration.bayes.runs import Runs, scales
 from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.friction import FRICTION_LAWS, FrictionLaw
+from warpwear.study.pair import Pair
 
 pytest.importorskip("emcee")
 
@@ -67,12 +68,12 @@ def test_a_law_that_says_nothing_does_not_scale(monkeypatch: pytest.MonkeyPatch)
     task = study.contact_task
     assert not replace(task, wear=(task.wear[0], SilentLaw(1e-9))).scales
     assert not replace(task, film=SilentFilm()).scales  # type: ignore[arg-type]
-    for where, name in ((Study, "wear_laws"), (Study, "contact_task")):
+    for where, name in ((Pair, "wear_laws"), (Study, "contact_task")):
         with monkeypatch.context() as patch:
             silent: Any = (SilentLaw(1e-9), SilentLaw(1e-9))
             value = silent if name == "wear_laws" else replace(task, wear=silent)
             patch.setattr(where, name, property(lambda _, value=value: value))
-            assert not scales(study)
+            assert not scales(study.model_copy())  # nothing of which is made yet
     monkeypatch.setitem(FRICTION_LAWS, "shear-strength", SilentFriction)
     assert not scales(study)
 

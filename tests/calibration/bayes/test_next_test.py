@@ -101,7 +101,7 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
         calls.append(task.folder)
         return once(task)
 
-    monkeypatch.setattr("warpwear.calibration.bayes.runs.run_one", run_one)
+    monkeypatch.setattr("warpwear.batches.batch.run_one", run_one)
 
     def infer(candidate: str, target: str = "wear.counter") -> warpwear.Inference:
         return warpwear.infer(

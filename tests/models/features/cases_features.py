@@ -120,7 +120,7 @@ def attach(monkeypatch: pytest.MonkeyPatch, kind: type[Debris] = Debris) -> list
 def model_of(study: Study, executor: Executor) -> Model:
     """The model of a study's first block, on unworn bodies."""
     order = RunOrder(study)
-    return order.model(executor, block=order.blocks[0]).model
+    return order.model(executor, block=order.study.blocks[0]).model
 
 
 def rows_of(law: str, device: str) -> list[dict[str, Any]]:

@@ -162,7 +162,7 @@ def test_layers_wear_by_the_pressure_and_its_mean(device: str, monkeypatch: pyte
     grid, mean, step = study.cells, mean_along(26, 4), 100.0
     elastic = dense_free(grid) * OF_CASES / MODULUS
     gap = RADIUS - np.sqrt(RADIUS**2 - np.add.outer(grid.x**2, grid.y**2))
-    worn, profiles = [np.zeros(grid.shape), np.zeros(grid.shape)], study.profiles or ()
+    worn, profiles = [np.zeros(grid.shape), np.zeros(grid.shape)], study.pair.profiles or ()
     for snapshot, approach in zip(result.snapshots, result.history["approach"], strict=True):
         fastest = profiles[1].fastest_above(worn[1].max())
         matrix = elastic + step * np.diag(profiles[0].coefficient_at(worn[0]).ravel())

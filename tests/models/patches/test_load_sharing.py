@@ -205,7 +205,7 @@ def test_a_smooth_contact_prescribes_the_loads() -> None:
     x, n = study.cells.x, stepped.patches.across
     r2 = x[:, None] ** 2 + x[None, :] ** 2
     gap = (r2 / (3.0 + np.sqrt(9.0 - r2))).reshape(n, -1, n, stepped.patches.side).mean(axis=(1, 3)).ravel()
-    wear, foundation, area = sum(study.wear_coefficients), study.bulk_stiffness(), stepped.patches.area
+    wear, foundation, area = sum(study.wear_coefficients), study.pair.bulk_stiffness, stepped.patches.area
     for increment in (0.003, 0.01, 0.1, 1.0, 3.0, 3.0):
         stepped.model.advance(increment)
         c = 1.0 / foundation + wear * increment
@@ -228,7 +228,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
         patch.setattr("warpwear.models.patches.shares.TOLERANCE", 1e-6)
         smooth = SmoothContact(stepped.study.contact_task, stepped.patches, stepped.executor)
     wear = 0.003 * sum(stepped.study.wear_coefficients)
-    target = smooth.press(foundation=stepped.study.bulk_stiffness(), removal=wear)
+    target = smooth.press(foundation=stepped.study.pair.bulk_stiffness, removal=wear)
     assert area * target.sum() == pytest.approx(load, rel=1e-14)
 
     lowest = np.zeros(target.size)

@@ -13,7 +13,6 @@ from numpy.testing import assert_allclose
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.runs.order import RunOrder
-from warpwear.study.text import to_marked_toml
 
 
 def test_the_hdf5_file_has_the_patches(tmp_path: Path) -> None:
@@ -104,7 +103,7 @@ def test_patches_are_as_wide_as_the_macro_cell_that_is_set() -> None:
     changed = Study.load("two-scale").replace({"patches.macro_cell": "30 um"})
     assert changed.patches.patch_width == changed.patches.macro_cell
     assert not changed.samples_area
-    assert 'width = "30 um" ' in to_marked_toml(changed)
+    assert 'width = "30 um" ' in changed.to_toml(marked=True)
     assert "width" not in tomllib.loads(changed.to_toml())["patches"]
 
 

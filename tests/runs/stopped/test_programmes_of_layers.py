@@ -50,7 +50,7 @@ def test_blocks_wear_through_layers_by_their_loads(case: str, tmp_path: Path, de
     one, other = tmp_path / "alone", tmp_path / "stopped"
     with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
         history, number, summary = result.history, result.history["block"], result.summary
-    for body, profile in zip(("counter", "disc"), study.profiles or (), strict=True):
+    for body, profile in zip(("counter", "disc"), study.pair.profiles or (), strict=True):
         volumes = {m.name: history[f"wear_volume_{body}_{m.name}"] for m in profile.materials}
         assert_allclose(sum(volumes.values()), history[f"wear_volume_{body}"], rtol=1e-11)
         for block in study.blocks:
@@ -78,7 +78,7 @@ def test_a_flat_on_a_flat_is_worn_to_the_closed_form(case: str, device: str) -> 
         flat |= {"contact.boundary": "periodic"}
     result = warpwear.run(study.replace(flat), device=device)
     carried = sum(block.load * block.length for block in study.blocks)
-    for body, profile in zip(("counter", "disc"), study.profiles or (), strict=True):
+    for body, profile in zip(("counter", "disc"), study.pair.profiles or (), strict=True):
         expected = profile.worn(np.zeros(1), np.array([carried / study.cells.area]))[0]
         depth = result.history[f"wear_depth_{body}"][-1]
         assert depth == pytest.approx(expected, rel=1e-12)

@@ -29,7 +29,6 @@ from warpwear.calibration.measurements import Tests
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.friction import FITTED, STRENGTH
-from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
 from warpwear.study.units import several
 
@@ -107,7 +106,7 @@ def infer(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.refuse_blocks("warpwear calibrate bayes")
-    if study.wears_by_area:
+    if study.pair.wears_by_area:
         raise InputError("warpwear calibrate bayes needs friction.law = 'coulomb' for wear.law = 'energy'")
     data = tests if isinstance(tests, Data) else data_of(study, tests)
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(several(unknown))
@@ -199,7 +198,7 @@ def _within(what: str, value: float, computed: FloatArray, room: float, kind: st
 
 def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
     """Raise InputError for unknowns that the study does not use, and for friction that cannot be inferred."""
-    unused = inapplicable(study)
+    unused = study.unused_keys
     for unknown in unknowns:
         if unknown.key.removeprefix("friction.") in FITTED and study.friction.law != "coulomb":
             raise InputError(
@@ -220,7 +219,7 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
             "friction.coefficient; give it as an unknown with a prior, such as "
             "'friction.shear_strength=log-uniform 1 .. 100 MPa'"
         )
-    if data.distance.size and study.shears_unalike:
+    if data.distance.size and study.contact_task.shears_unalike:
         raise InputError(
             "friction cannot be inferred of layers with a shear_strength or coefficient of their own, "
             "nor with friction.largest_coefficient: allowed are measured volumes, diameters and roughness"

@@ -162,7 +162,7 @@ class Model:
     def _wear_laws(self, values: Values) -> tuple[WearLaw, WearLaw]:
         """Return the laws of wear, whose numbers that are unknown have the shape (samples, 1)."""
         study = self.study
-        return study.wear.laws(study.wear_hardness, study.friction, _columns(values))
+        return study.wear.laws(study.pair.wear_hardness, study.friction, _columns(values))
 
     def _course(self, distance: FloatArray, courses: FloatArray, name: str) -> tuple[FloatArray, Emulator]:
         """Return the places of a course and its emulator."""

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.batches import batch
 from warpwear.batches.batch import RUNS, make_all, opened_folder
 from warpwear.batches.plan import Plan, SweepSection
-from warpwear.batches.points import points_of, task_of
-from warpwear.batches.run_one import Row, run_one
+from warpwear.batches.run_one import Row
 from warpwear.calibration.bayes.unknowns import Unknown, number_of
+from warpwear.engine.workers import Here
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws import archard
@@ -216,9 +217,10 @@ def _whole(row: Row, folder: Path) -> Row:
 
 
 def _run(study: Study, out: Path, device: str) -> tuple[Path, Row]:
-    """Return folder and row of a study's run, which is made unless its folder holds it."""
-    (point,) = points_of(study, [{}], device=device)
-    return out / RUNS / point.run, run_one(task_of(point, out / RUNS, device=device))
+    """Return folder and row of a study's run, which is made here unless its folder holds it."""
+    plan = Plan(study, device=device)
+    (row,) = batch.make_runs(plan, out, Here())
+    return out / RUNS / plan.points[0].run, row
 
 
 def wide_enough(
@@ -279,7 +281,7 @@ def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
         return study
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
-    numbers = study.wear_hardness, study.friction
+    numbers = study.pair.wear_hardness, study.friction
     laws = [study.wear_laws, *(study.wear.laws(*numbers, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     counter, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)

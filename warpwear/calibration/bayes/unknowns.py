@@ -164,7 +164,7 @@ def number_of(study: Study, key: str) -> float | None:
     """Return the study's number of a key in its unit, None where it has none."""
     value = attribute_of(study, key)
     if isinstance(value, ArchardCoefficient):
-        return 1.0e3 * value.resolved(study.wear_hardness) if value.dimensionless else value.value
+        return 1.0e3 * value.resolved(study.pair.wear_hardness) if value.dimensionless else value.value
     return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
 
 

@@ -85,7 +85,7 @@ class FigureData:
     @property
     def layered(self) -> dict[str, DepthProfile]:
         """Return what bodies with layers are made of by worn depth, by "counter" and "disc"."""
-        pairs = zip(BODIES, self.study.profiles or (), strict=False)
+        pairs = zip(BODIES, self.study.pair.profiles or (), strict=False)
         return {body: profile for body, profile in pairs if of_materials(body, profile)}
 
     @property
@@ -95,7 +95,7 @@ class FigureData:
         if friction.fitted == "coulomb":
             return f"constant, {friction.coefficient:g}, an input"
         if friction.shear_strength is not None:
-            return f"shear strength {friction.shear_strength:g} MPa{study.other_shear}, as given"
+            return f"shear strength {friction.shear_strength:g} MPa{study.pair.other_shear}, as given"
         at_end = friction.calibrate == "end"
         if study.lap is None:
             return f"calibrated to {friction.coefficient:g} at the {'end' if at_end else 'start'}"
@@ -141,10 +141,10 @@ class FigureData:
 
     def _caps(self, snapshot: Snapshot) -> Any:
         """Return the largest pressures of the cells [MPa]: of a film, or of the materials that lie bare."""
-        if self.study.profiles is not None:
-            pairs = zip(self.study.profiles, (snapshot.wear_counter, snapshot.wear_beneath), strict=True)
+        if self.study.pair.profiles is not None:
+            pairs = zip(self.study.pair.profiles, (snapshot.wear_counter, snapshot.wear_beneath), strict=True)
             return np.minimum(*(profile.hardness_at(worn) for profile, worn in pairs))
-        filmed, bare = self.study.caps
+        filmed, bare = self.study.pair.caps
         return bare if snapshot.bare is None else np.where(snapshot.bare > 0.0, bare, filmed)
 
     def _film(self, snapshot: Snapshot, window: Cutout) -> Any:
@@ -329,6 +329,6 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
         smooth = SmoothContact(task, patches, executor)
         for increment in result.history["increment"][: max(rows) + 1].tolist():
             removal = sum(law.wear_per_pressure(slid, increment) for law in study.wear_laws)
-            loads.append(smooth.area * smooth.press(foundation=study.bulk_stiffness(), removal=removal))
+            loads.append(smooth.area * smooth.press(foundation=study.pair.bulk_stiffness, removal=removal))
             slid += increment
     return np.array(loads)[[*rows]]

@@ -74,7 +74,7 @@ def running_conditions(data: FigureData) -> Figure:
     assert hertz is not None  # else there is no figure
     load = float(history["load"][-1])
     loads = np.linspace(0.0, 1.6 * load, 80)[1:]
-    border = 1e3 * displacement(hertz, study.softness_ratio, study.friction.coefficient)
+    border = 1e3 * displacement(hertz, study.pair.softness_ratio, study.friction.coefficient)
     borders = border * (loads / hertz.load) ** (2.0 / 3.0)
     place, now = (1e3 * history[name] for name in ("displacement", "displacement_border"))
     cross, held = Look(describe.DISC, "", marker="x", size=5.0), history["load"]

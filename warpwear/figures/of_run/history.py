@@ -186,7 +186,7 @@ def pieces(data: FigureData) -> Figure:
 
     Those of a disc are counted on its whole stroke, of which a track may stand for a part.
     """
-    history, cutting = data.history, data.study.pieces
+    history, cutting = data.history, data.study.pair.pieces
     ends, diameter = np.linspace(0.0, history["distance"][-1], PIECES_BINS + 1), BY_NAME["diameter"]
     sizes: list[Line | Level] = []
     rates: list[Line] = []

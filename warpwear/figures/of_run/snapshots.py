@@ -126,7 +126,7 @@ def junctions(data: FigureData) -> Figure:
     gives: d* is that of the pieces where bodies wear in pieces, else that of eq 2.3. A study without it has
     neither.
     """
-    evolution, critical = data.evolution, data.study.critical_diameter
+    evolution, critical = data.evolution, data.study.pair.critical_diameter
     indices = [index for index in data.indices if evolution.island_areas[index].size]
     lines: list[Line | Level] = []
     for index, look in zip(indices, in_time(describe.CONTACT, len(indices)), strict=True):

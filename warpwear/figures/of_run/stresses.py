@@ -66,7 +66,7 @@ def stress_depths(data: FigureData) -> Figure:
     unit, suffix, note = _unit(data)
     over = Axis(f"depth z{suffix}", low=0.0)
     panels: list[Chart] = []
-    kinds: list[Any] = [("Stress", MEASURES, "yield strength", study.yield_strength)]
+    kinds: list[Any] = [("Stress", MEASURES, "yield strength", study.pair.yield_strength)]
     if study.fatigue is not None:
         kinds.append(("Cycle", OF_A_CYCLE, "limit in torsion", study.fatigue.torsion))
     for title, measures, name_of_limit, limit in kinds:

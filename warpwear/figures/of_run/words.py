@@ -53,7 +53,7 @@ def _lost_nothing(*columns: str) -> Callable[[FigureData], bool]:
 
 NO_COURSE = Reason("no_course", lambda d: d.steps < 2)
 NO_COF = Reason("no_cof", lambda d: not np.isfinite(d.history["cof"]).any())
-NO_FILM = Reason("no_film", lambda d: d.study.film is None)
+NO_FILM = Reason("no_film", lambda d: d.study.pair.film is None)
 NO_LAYERS = Reason("no_layers", lambda d: not d.layered)
 NO_TIME = Reason("no_time", lambda d: not np.isfinite(d.history["time"]).any())
 NO_RADIUS = Reason("no_radius", lambda d: not all(d.study.counter.form.rises))
@@ -70,7 +70,7 @@ ONE_SCALE = Reason("one_scale", lambda d: d.study.study.model != "two-scale")
 ROUGH = Reason("rough", lambda d: d.study.study.model != "macro")
 NO_HERTZ = Reason("no_hertz", lambda d: d.study.hertz is None)
 NO_FACTOR = Reason("no_factor", lambda d: d.study.wear.distance_factor == "none")
-NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.critical_junction is None)
+NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.pair.critical_junction is None)
 NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2)
 NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
 NO_DRIVE = Reason("no_displacement", lambda d: not (d.study.fretting and d.study.fretting.has_displacement))
@@ -158,7 +158,7 @@ def law_of(data: FigureData) -> str:
     if study.contact.law == "half-space":
         law = "Elastic half-space"
     elif study.study.model == "macro":
-        law = f"Elastic foundation of {1e-6 * study.bulk_stiffness():.3g}·10⁶ N/mm³"
+        law = f"Elastic foundation of {1e-6 * study.pair.bulk_stiffness:.3g}·10⁶ N/mm³"
     else:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
@@ -229,10 +229,10 @@ def _blocks(data: FigureData) -> str:
 def _critical(data: FigureData) -> str:
     """Say what d* is, where the study has one."""
     study = data.study
-    if study.critical_diameter is None:
+    if study.pair.critical_diameter is None:
         return ""
     what = "the pieces' diameter" if study.wear.sheds else "the critical diameter of junctions"
-    return f" Dots: the share above {what}, d* = {1e3 * study.critical_diameter:.3g} µm."
+    return f" Dots: the share above {what}, d* = {1e3 * study.pair.critical_diameter:.3g} µm."
 
 
 def _smooth(data: FigureData) -> str:

@@ -15,7 +15,6 @@ from warpwear.results.ensemble import digests_in
 from warpwear.results.file import FILE_NAME, ResultFile
 from warpwear.results.formats.bodies import Files, Job
 from warpwear.results.formats.metadata import FILES, NAME, metadata
-from warpwear.study.keys import files_of
 from warpwear.study.loading import insert
 from warpwear.surfaces.reading import copied
 
@@ -45,7 +44,7 @@ def write_crate(write_tables: WriteTables, job: Job, path: Path) -> None:
     files, notes = dict[str, Path](), dict[str, str]()
     added = {extra.resolve() for extra in job.added}
     keys = dict[str, str]()
-    for key, name in files_of(result.study).items():
+    for key, name in result.study.files.items():
         source = Path(name).absolute()
         if not source.is_file():
             raise InputError(f"{key} = {source}: the file is gone, and a crate holds it; put it back")

@@ -111,7 +111,7 @@ class Friction(Section):
         "α of the cap √(H² − α τ²) of a cell under shear: junctions grow (Tabor: 9 to 27); 0 is none",
         demands=BARE_STRENGTH
         + NO_BEARING_CURVE
-        + needs("caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
+        + needs("pair.caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
     )
     largest_coefficient: Annotated[float, Number(Range(most=3.0))] | None = key(
         None,

@@ -66,7 +66,7 @@ class PatchesSection(Section):
         demands=needs("stepping.scheme", "implicit", of="load")
         + excludes("friction.film", of="load", where=GROWS, why=NO_BARE_CELLS)
         + needs(
-            "caps_pressure",
+            "pair.caps_pressure",
             of="load",
             what="a finite contact.hardness",
             why=": without it the smooth contact asks of patches what asperities cannot carry",

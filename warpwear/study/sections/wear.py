@@ -155,7 +155,7 @@ class Wear(Section):
         "[junctions]; if not given, it leaves at once, as dust",
         demands=needs("wear.particle_thickness", what=THICKNESS)
         + needs("study.model", "micro", why=": patches would cut pieces, and smooth bodies have none")
-        + needs("critical_junction", of="critical", what=CRITICAL),
+        + needs("pair.critical_junction", of="critical", what=CRITICAL),
     )
     particle_thickness: Length | None = shed_key(
         None,
