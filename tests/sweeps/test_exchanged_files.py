@@ -185,7 +185,7 @@ def test_a_file_changed_and_changed_back_while_it_is_read(
         else:
             shutil.copy(source, path)
 
-    def exchanged(source: formats.Source) -> formats.Raw:
+    def exchanged(source: formats.SurfaceFile) -> formats.Raw:
         put(other)
         raw = read_raw(source)
         put(one)

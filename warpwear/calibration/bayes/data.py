@@ -27,7 +27,7 @@ from warpwear.history.quantities import printed
 from warpwear.measured.course import check_cof, experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.motion import Motion
-from warpwear.measured.rows import Rows, read_rows
+from warpwear.measured.rows import RecordRows, read_rows
 from warpwear.study.study import Study
 
 #: Points that a course is thinned to, by means of neighbours.
@@ -235,7 +235,7 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
     return MeasuredCourse(name, distance, cof, tuple(notes))
 
 
-def _check_load(rows: Rows, load: float) -> None:
+def _check_load(rows: RecordRows, load: float) -> None:
     """Raise InputError for a normal force that is not that of the study [N]."""
     force = rows.table.get("normal force")
     if force is None or not (force := np.abs(force[np.isfinite(force)])).size:
