@@ -7,6 +7,7 @@ import os
 import pkgutil
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 # Before anything loads NumPy: threads of BLAS that wait for each other take a fifth of the tests' time. No
@@ -14,6 +15,7 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
+import psutil
 import pytest
 import warp as wp
 
@@ -88,6 +90,16 @@ def threads(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
 def two_threads(monkeypatch: pytest.MonkeyPatch) -> int:
     """Two threads, of tests that compare them with one themselves."""
     return shared_by(2, monkeypatch)
+
+
+@pytest.fixture
+def host_with(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """Let the host say that it has so much memory free [B]."""
+
+    def say(free: float) -> None:
+        monkeypatch.setattr(psutil, "virtual_memory", lambda: SimpleNamespace(available=int(free)))
+
+    return say
 
 
 #: Dots per inch that are soon drawn, and a PNG file of one white dot.

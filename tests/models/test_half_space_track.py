@@ -1,6 +1,7 @@
 """The half-space under a ball that slides: against dense matrices, closed forms and the local law."""
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -330,9 +331,9 @@ def test_what_does_not_apply_is_told_and_what_does_not_fit_refused() -> None:
         swept.replace({"stepping.scheme": "explicit", "stepping.force": True})
 
 
-def test_memory_is_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_memory_is_looked_at_first(host_with: Callable[[float], None]) -> None:
     """More of it than by the local law."""
-    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 200_000})
+    host_with(200_000)
     warpwear.run(small("full", sliding__distance="0 mm"))
     with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
         warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))

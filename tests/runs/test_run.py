@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -230,10 +231,10 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_computed_leaves_nothing_behind(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], message: str
+    tmp_path: Path, host_with: Callable[[float], None], changes: dict[str, Any], message: str
 ) -> None:
     # a host with more memory would make these cells, for minutes
-    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 8 * 2**30})
+    host_with(8 * 2**30)
     with pytest.raises(InputError, match=message):
         warpwear.run(quick().replace(changes), out=tmp_path / "new" / "out")
     assert list(tmp_path.iterdir()) == []
@@ -266,20 +267,14 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
         warpwear.run(quick(), out=tmp_path / "out")
 
 
-def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    advance, calls = OneScaleModel.advance, []
-
-    def interrupted(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        calls.append(1)
-        if len(calls) > 100:
+def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path) -> None:
+    def interrupted(step: warpwear.RunStep) -> None:
+        if step.index == 99:
             raise KeyboardInterrupt
-        return advance(self, *args, **kwargs)
 
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "advance", interrupted)
     study = quick(friction__coefficient=0.6, friction__calibrate="end")
     with pytest.raises(KeyboardInterrupt):
-        warpwear.run(study, out=tmp_path / "deep" / "out", plots=False)
+        warpwear.run(study, out=tmp_path / "deep" / "out", plots=False, callback=interrupted)
     with Result.open(tmp_path / "deep" / "out") as result:
         assert not result.finished
         assert np.isnan(result.history["cof"]).all()  # τ0 waits for the end of the test

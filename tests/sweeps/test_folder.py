@@ -17,6 +17,7 @@ import warpwear
 from warpwear import InputError
 from warpwear.batches import cluster
 from warpwear.batches.batch import RUNS, estimate, local_executor, make_runs
+from warpwear.batches.cluster import Patience
 from warpwear.batches.plan import Plan, section_of
 from warpwear.engine.workers import WorkerDiedError
 from warpwear.results import manifest
@@ -187,32 +188,28 @@ def test_runs_that_a_cluster_takes_with_it_are_told(tmp_path: Path) -> None:
     assert row.status == "failed: it was cancelled, as runs are whose cluster is gone"
 
 
-def test_a_cluster_without_workers_is_not_waited_for_in_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_without_workers_is_not_waited_for_in_silence() -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "PATIENCE", 0.2)
     with (
         distributed.LocalCluster(
             n_workers=0, processes=False, dashboard_address=None, protocol="tcp"
         ) as here,
         pytest.warns(UserWarning, match=r"has no workers yet: waiting 0\.2 s for the first"),
         pytest.raises(InputError, match=r"has no workers: start some"),
-        cluster.connected(here.scheduler_address, insecure=True),
+        cluster.connected(here.scheduler_address, insecure=True, patience=Patience(first=0.2)),
     ):
         pass
 
 
-def test_a_cluster_that_loses_all_its_workers_is_given_up(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_cluster_that_loses_all_its_workers_is_given_up(tmp_path: Path) -> None:
     """It is told of, what waits fails, and so does what is begun after that."""
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "LOOK", 0.1)
-    monkeypatch.setattr(cluster, "LOST", 1.0)
+    patience = Patience(look=0.1, lost=1.0)
     options: dict[str, Any] = {"dashboard_address": None, "protocol": "tcp", "threads_per_worker": 1}
     plan = Plan(small(), section_of({"vary": VARY}, {}))
     with (
         distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
-        cluster.connected(here.scheduler_address, insecure=True) as (executor, *_),
+        cluster.connected(here.scheduler_address, patience=patience) as (executor, *_),
     ):
         here.scale(0)
         with pytest.warns(UserWarning, match=r"has lost all its workers: waiting 1 s for one to come back"):

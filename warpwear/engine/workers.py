@@ -33,14 +33,20 @@ class Workers(ThreadPoolExecutor):
     """Processes that make calls, one each at a time; one that dies is started again and its call with it.
 
     environments: of each worker what differs from this process's. retries: how often a call is made again.
-    quiet: whether what workers say on standard error is left unseen.
+    quiet: whether what workers say on standard error is left unseen. command: what Python runs as a worker.
     """
 
     def __init__(
-        self, environments: Sequence[Mapping[str, str]], *, retries: int = RETRIES, quiet: bool = False
+        self,
+        environments: Sequence[Mapping[str, str]],
+        *,
+        retries: int = RETRIES,
+        quiet: bool = False,
+        command: Sequence[str] = COMMAND,
     ) -> None:
         super().__init__(max_workers=len(environments), thread_name_prefix="worker")
         self._free, self._retries, self._quiet = list(environments), retries, quiet
+        self._command = command
         self._lock = threading.Lock()
         self._own = threading.local()
         self._processes: list[subprocess.Popen[bytes]] = []
@@ -83,7 +89,7 @@ class Workers(ThreadPoolExecutor):
                     self._own.environment = self._free.pop()
                 else:
                     self._processes.remove(process)
-                process = _started(self._own.environment, quiet=self._quiet)
+                process = _started(self._own.environment, self._command, quiet=self._quiet)
                 self._processes.append(process)
             self._own.process = process
         return process
@@ -112,12 +118,14 @@ class Workers(ThreadPoolExecutor):
                     pass
 
 
-def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Popen[bytes]":
+def _started(
+    environment: Mapping[str, str], command: Sequence[str], *, quiet: bool
+) -> "subprocess.Popen[bytes]":
     """Return a worker process that imports this very package, wherever this process found it."""
     home = str(Path(__file__).parents[2])
     path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(
-        [sys.executable, *COMMAND],
+        [sys.executable, *command],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL if quiet else None,

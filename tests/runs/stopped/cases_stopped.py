@@ -45,24 +45,28 @@ def short(**changes: Any) -> Study:
     return study_of("micro, implicit", math.inf).replace(SHORT | dotted)
 
 
-def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -> None:
-    """Let something happen in the step after so many, counted from here."""
+def at_step(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[Any], object]) -> None:
+    """Let something happen to the model in the step after so many, counted from here."""
     calls: list[int] = []
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(TwoScaleModel, "in_blocks", False)
-    monkeypatch.setattr(SlidingContact, "in_blocks", False)
+    for model in (OneScaleModel, TwoScaleModel, SlidingContact):
+        monkeypatch.setattr(model, "in_blocks", False)  # a call is a step
 
-    def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:
-        def stopped(*args: Any, **kwargs: Any) -> Any:
+    def disturbed(advance: Callable[..., Any]) -> Callable[..., Any]:
+        def step(model: Any, *args: Any, **kwargs: Any) -> Any:
             calls.append(1)
             if len(calls) == after + 1:
-                how()
-            return advance(*args, **kwargs)
+                how(model)
+            return advance(model, *args, **kwargs)
 
-        return stopped
+        return step
 
     for (model, name), advance in ADVANCE.items():
-        monkeypatch.setattr(model, name, stopping(advance))
+        monkeypatch.setattr(model, name, disturbed(advance))
+
+
+def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], object]) -> None:
+    """Let something happen in the step after so many, counted from here."""
+    at_step(monkeypatch, after, lambda _: how())
 
 
 def killed() -> None:
