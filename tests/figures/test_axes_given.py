@@ -202,7 +202,7 @@ def test_a_film_needs_snapshots_and_an_encoder(
 ) -> None:
     with pytest.raises(InputError, match=r"at least two snapshots, .* kept 1; .*--set output\.snapshots="):
         animate(results["end only"])
-    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    monkeypatch.setenv("PATH", "")
     with pytest.raises(InputError, match=r"needs ffmpeg, which is not installed"):
         animate(results["rough"], tmp_path / "wear.mp4")
     folder = results["flat"].folder

@@ -19,6 +19,7 @@ from warpwear.cli.main import commands
 from warpwear.figures import process
 from warpwear.figures.of_run.table import ESSENTIAL
 from warpwear.results.file import ResultFile
+from warpwear.runs import run as running
 
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
 OF_PATCHES = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "sliding.distance": "3 mm"}
@@ -129,20 +130,18 @@ def test_what_is_slow_is_imported_when_it_is_needed() -> None:
 
 
 def test_no_snapshot_is_read_back(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, two_cores: Callable[..., None], quick_pictures: Any
+    tmp_path: Path, watch: Callable[..., None], two_cores: Callable[..., None], quick_pictures: Any
 ) -> None:
     """Tables and all figures, whoever draws them, come from the fields that the run had in its hands.
 
     The other process gets what it needs and dies: this one makes all figures.
     """
-    read = ResultFile.snapshot
     missed: list[Any] = []
 
-    def snapshot(self: ResultFile, index: int) -> Any:
-        missed.extend([] if index % self.snapshot_distances.size in self.at_hand else [index])
-        return read(self, index)
+    def note(file: ResultFile, index: int) -> None:
+        missed.extend([] if index % file.snapshot_distances.size in file.at_hand else [index])
 
-    monkeypatch.setattr(ResultFile, "snapshot", snapshot)
+    watch(ResultFile, "snapshot", note)
     two_cores(command=("-c", "import sys; sys.stdin.read(100)"))
     with quick_pictures(blank=True, second_process=True):
         result = warpwear.run(study_of("rough"), out=tmp_path / "run", plots="all")
@@ -177,14 +176,14 @@ def test_which_figures_are_asked_for(tmp_path: Path) -> None:
     assert not (tmp_path / "some").exists()
 
 
-def test_figures_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_on_the_command_line(tmp_path: Path, watch: Callable[..., None]) -> None:
     asked: list[str] = []
 
     def run_study(study: Study, how: Any) -> None:
         asked.append(how.plots)
         raise InputError("enough")
 
-    monkeypatch.setattr("warpwear.runs.run.run_study", run_study)
+    watch(running, "run_study", run_study)
     for options in ([], ["--plots", "all"], ["--no-plots"], ["--plots", "none"]):
         CliRunner().invoke(commands, ["run", "v1", "--out", str(tmp_path / "out"), *options])
     assert asked == ["essential", "all", "none", "none"]
@@ -194,18 +193,13 @@ def test_figures_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.usefixtures("two_cores")
-def test_an_interrupted_run_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_run_leaves_no_process(tmp_path: Path, watch: Callable[..., None]) -> None:
     seen: list[subprocess.Popen[bytes]] = []
-
-    class Started(subprocess.Popen[bytes]):
-        def __init__(self, *given: Any, **more: Any) -> None:
-            super().__init__(*given, **more)
-            seen.append(self)
 
     def stop(step: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(subprocess, "Popen", Started)
+    watch(subprocess.Popen, "__init__", lambda process, *_, **__: seen.append(process))
     with pytest.raises(KeyboardInterrupt):
         warpwear.run(study_of("rough"), out=tmp_path / "run", callback=stop)
     assert [started.poll() is None for started in seen] == [False]

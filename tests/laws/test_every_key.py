@@ -14,7 +14,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.batches.run_one import Task, run_one
+from warpwear.batches.run_one import Row, Task, run_one
 from warpwear.calibration.bayes.data import Data, Measured
 from warpwear.calibration.bayes.infer import _check_unknowns
 from warpwear.calibration.bayes.model import Model
@@ -197,20 +197,33 @@ def refusal(pair: Pair, consumer: str, call: Callable[[], Any]) -> bool:
     return True
 
 
-def test_a_key_changes_the_run_and_what_is_said_of_it(pair: Pair) -> None:
+@pytest.fixture(scope="module")
+def said_of() -> Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]:
+    """Tell what a page and LaTeX say of a run, and its row in a sweep; once, for cases begin alike."""
+    said: dict[Path, tuple[dict[str, Any], Row]] = {}
+
+    def say(study: Study, folder: Path, run: Result) -> tuple[dict[str, Any], Row]:
+        if folder not in said:
+            row = run_one(Task(study.to_toml(), str(folder), "cpu"))
+            said[folder] = words_of(run), row
+        return said[folder]
+
+    return say
+
+
+def test_a_key_changes_the_run_and_what_is_said_of_it(
+    pair: Pair, said_of: Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]
+) -> None:
     """Run, page, LaTeX, row of a sweep and comparison."""
     before, after = (result.history for result in pair.results)
     same = len(before["cof"]) == len(after["cof"])
     assert not same or any(not np.array_equal(before[name], after[name]) for name in before)
-    words = [words_of(result) for result in pair.results]
+    words, rows = zip(*map(said_of, pair.studies, pair.folders, pair.results), strict=True)
     for part in ("methods", "latex", "summary", "table"):
         if (part, pair.key) == ("table", "friction.law"):  # both end at the coefficient that is given
             continue
         if part != "methods" or pair.key.removeprefix("friction.") in KEYS:
             assert words[0][part] != words[1][part], part
-    rows = [
-        run_one(Task(s.to_toml(), str(f), "cpu")) for s, f in zip(pair.studies, pair.folders, strict=True)
-    ]
     assert rows[0].ends != rows[1].ends
     for row, study in zip(rows, pair.studies, strict=True):
         strength = row.ends["shear_strength [MPa]"]

@@ -1,5 +1,6 @@
 """Roughness and islands against the distance slid."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -150,13 +151,10 @@ def test_the_share_above_is_that_of_the_islands(result: Result) -> None:
     assert above["end"] == found.table["share_above_critical"][-1] > above["first"]
 
 
-def test_a_run_computes_it_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_computes_it_once(tmp_path: Path, watch: Callable[..., None]) -> None:
     """The result in its place knows what was found before it was moved there."""
     made: list[int] = []
-    of_snapshot = evolution._of_snapshot
-    monkeypatch.setattr(
-        evolution, "_of_snapshot", lambda *given: made.append(given[1]) or of_snapshot(*given)
-    )
+    watch(evolution, "_of_snapshot", lambda *given: made.append(given[1]))
     study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "3 mm"})
     with warpwear.run(study, out=tmp_path / "run", plots=False) as result:
         assert result.surface_evolution.table["distance"].size == len(result.snapshots)

@@ -19,6 +19,7 @@ from warpwear.cli import main as cli
 from warpwear.engine import state as saved
 from warpwear.engine.program import Program
 from warpwear.errors import InvariantError
+from warpwear.history.rows import Rows
 from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
@@ -164,16 +165,8 @@ def test_without_strict_checks_it_goes_on_and_says_so_once(
         assert sorted(w.partition(" =")[0] for w in told) == ["wear_volume_counter", "wear_volume_disc"]
 
 
-def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    advance = OneScaleModel.advance
-
-    def without_volume(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        step = advance(self, *args, **kwargs)
-        step.row["wear_volume_disc"] = math.nan
-        return step
-
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "advance", without_volume)
+def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, watch: Callable[..., None]) -> None:
+    watch(Rows, "append", lambda _, row: row.update(wear_volume_disc=math.nan))
     study = small(checks__strict=False)
     with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
         assert result.finished

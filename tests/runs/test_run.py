@@ -14,7 +14,6 @@ import pytest
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.engine.executor import Executor
-from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.surfaces.made.self_affine import SelfAffine
@@ -87,15 +86,9 @@ def test_snapshots_in_memory_are_copies_until_they_are_closed() -> None:
         _ = result.snapshots[-1]
 
 
-def test_a_random_surface_is_made_once_for_runs_on_the_same_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_random_surface_is_made_once_for_runs_on_the_same_cells(watch: Callable[..., None]) -> None:
     made: list[int] = []
-    heights = SelfAffine.heights
-
-    def counted(surface: SelfAffine, x: FloatArray, y: FloatArray) -> FloatArray:
-        made.append(surface.seed)
-        return heights(surface, x, y)
-
-    monkeypatch.setattr(SelfAffine, "heights", counted)
+    watch(SelfAffine, "heights", lambda surface, *_: made.append(surface.seed))
     study = quick(disc__synthetic__seed=71)
     first, again = (warpwear.run(study) for _ in range(2))
     assert made == [71]

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -88,11 +89,10 @@ def test_a_foreign_figure_is_kept_under_another_name(out: Path) -> None:
     assert b"mine" in {path.read_bytes() for path in (out / "figures").glob(f"{figure.stem}-*.png")}
 
 
-def test_a_full_disk_is_said_of_the_folder_that_was_given(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: Any) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("warpwear.page.folder._write", full)
+def test_a_full_disk_is_said_of_the_folder_that_was_given(
+    out: Path, failing: Callable[[str, Exception], None]
+) -> None:
+    failing("warpwear.page.folder._write", OSError(28, "No space left on device"))
     with pytest.raises(
         InputError, match="could not be written: No space left on device; the runs are kept"
     ) as error:
@@ -121,13 +121,10 @@ def test_a_folder_that_another_sweep_writes_is_refused(out: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_written_is_refused_at_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, failing: Callable[[str, Exception], None]
 ) -> None:
-    def refused(*_: Any, **__: Any) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr("warpwear.results.folder.tempfile.TemporaryFile", refused)
-    monkeypatch.setattr("warpwear.batches.batch.run_one", None)  # no run is begun
+    failing("warpwear.results.folder.tempfile.TemporaryFile", PermissionError(13, "Permission denied"))
+    failing("warpwear.batches.batch.run_one", AssertionError("a run was begun"))
     with pytest.raises(InputError, match="cannot be written: Permission denied"):
         sweep(tmp_path / "s")
     assert not (tmp_path / "s").exists()

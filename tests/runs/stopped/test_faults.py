@@ -310,11 +310,9 @@ def test_memory_that_runs_out(sizes: list[int], tmp_path: Path) -> None:
     )
 
 
-def test_memory_of_a_gpu_that_runs_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: Any, **__: Any) -> Any:
-        raise RuntimeError("Failed to allocate 18000000 bytes on device 'cuda:0'")
-
-    monkeypatch.setattr("warpwear.engine.executor.Executor.zeros", full)
+def test_memory_of_a_gpu_that_runs_out(failing: Callable[[str, Exception], None]) -> None:
+    full = RuntimeError("Failed to allocate 18000000 bytes on device 'cuda:0'")
+    failing("warpwear.engine.executor.Executor.zeros", full)
     with pytest.raises(InputError, match=r"75 × 75 cells, for which the memory ran out; larger cells"):
         warpwear.run(small())
 
