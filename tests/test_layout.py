@@ -35,12 +35,7 @@ LONG = {
 }
 #: Names that still stand for more than one class; the list may only become shorter.
 TWINS = {
-    "Friction",
-    "Measured",
-    "Model",
-    "Quantity",
     "Row",
-    "Task",
 }
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

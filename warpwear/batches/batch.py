@@ -13,7 +13,7 @@ from typing import Any, Literal
 from warpwear.batches.cluster import connected
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import task_of
-from warpwear.batches.run_one import Row, Task, is_there, run_one
+from warpwear.batches.run_one import Row, RunTask, is_there, run_one
 from warpwear.engine.device import find_device, gpu_count, usable_cores
 from warpwear.engine.workers import WorkerDiedError, local_workers
 from warpwear.errors import InputError, explained
@@ -121,7 +121,7 @@ def make_runs(
     return [rows[number] for number in range(len(plan.points))]
 
 
-def _submitted(executor: Executor, task: Task) -> "Future[Row]":
+def _submitted(executor: Executor, task: RunTask) -> "Future[Row]":
     """Return the future of a run; an executor that takes none any more has it fail."""
     try:
         return executor.submit(run_one, task)

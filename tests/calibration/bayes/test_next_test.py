@@ -13,7 +13,7 @@ from warpwear import InputError
 from warpwear.batches.plan import read_plan
 from warpwear.calibration.bayes import infer as inferring
 from warpwear.calibration.bayes import runs as bayes_runs
-from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.calibration.bayes.data import Data, MeasuredValue
 from warpwear.calibration.bayes.next_test import Candidate, best_tests, repeats_needed
 from warpwear.calibration.bayes.report import calibrated
 
@@ -37,7 +37,7 @@ def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
 def test_repeats_that_reach_ten_percent() -> None:
     """A volume known to 30 % needs nine tests in all; a wear coefficient that none tells is never reached."""
     study = smooth_study()
-    data = Data(values=(Measured("volume_counter", 0.018, 0.0054),))
+    data = Data(values=(MeasuredValue("volume_counter", 0.018, 0.0054),))
     wide = {"wear.counter": "uniform 0 .. 5e-3 mm^3/N/m", "wear.disc": None}
     posterior = posterior_of(study, wide, data)
     values, _ = found_for(posterior)
@@ -48,11 +48,13 @@ def test_repeats_that_reach_ten_percent() -> None:
 def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
     """Unknowns that go together are drawn together, others by distributions."""
     study = smooth_study()
-    volumes = Data(values=(Measured("volume_counter", 0.018, 0.0005), Measured("volume_disc", 0.024, 0.0005)))
+    volumes = Data(
+        values=(MeasuredValue("volume_counter", 0.018, 0.0005), MeasuredValue("volume_disc", 0.024, 0.0005))
+    )
     asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
     for data, design, runs in (
         (volumes, "sobol", 64),
-        (Data(values=(Measured("scar", 1.26, 0.02),)), "zip", 64),
+        (Data(values=(MeasuredValue("scar", 1.26, 0.02),)), "zip", 64),
     ):
         path = tmp_path / f"{design}.toml"
         path.write_text(calibrated(result_of(posterior_of(study, asked, data))), encoding="utf-8")

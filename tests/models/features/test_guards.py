@@ -119,6 +119,7 @@ def test_columns_that_are_not_declared(law: str, monkeypatch: pytest.MonkeyPatch
     attach(monkeypatch, Forgets)
     with pytest.raises(TypeError, match=r"^debris writes more columns of the history than it declares$"):
         rows_of(law, "cpu")
+    monkeypatch.undo()
     attach(monkeypatch, type("Forgets", (Forgets,), {"columns": ()}))
     with pytest.raises(TypeError, match=r"^Forgets declares no columns of the history$"):
         rows_of(law, "cpu")
