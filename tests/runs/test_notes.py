@@ -89,7 +89,7 @@ def test_a_long_run_tells_its_warnings_early(
 ) -> None:
     """They are told once, and one line is kept for what the end brings."""
     row = {"distance": 1.0, "area_contact": 1.0}
-    with Progress("long", silence=(-1.0, 30.0)) as progress:
+    with Progress("long", pace=(-1.0, 30.0)) as progress:
         progress.note("This key does not apply.")
         for number in range(3):
             progress.note(f"Warning {number}.", kind="warning")

@@ -89,10 +89,23 @@ class Workers(ThreadPoolExecutor):
                     self._own.environment = self._free.pop()
                 else:
                     self._processes.remove(process)
-                process = _started(self._own.environment, self._command, quiet=self._quiet)
+                process = self._started()
                 self._processes.append(process)
             self._own.process = process
         return process
+
+    def _started(self) -> "subprocess.Popen[bytes]":
+        """Return a worker process that imports this very package, wherever this process found it."""
+        home = str(Path(__file__).parents[2])
+        path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
+        return subprocess.Popen(
+            [sys.executable, *self._command],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL if self._quiet else None,
+            env={**os.environ, "PYTHONPATH": path, **self._own.environment},
+            start_new_session=True,  # Ctrl-C reaches this process alone, which ends them in order
+        )
 
     def __exit__(self, kind: type[BaseException] | None, *error: Any) -> None:
         """End the workers, at once on Ctrl-C."""
@@ -116,22 +129,6 @@ class Workers(ThreadPoolExecutor):
             for process in self._processes:
                 with suppress(OSError), process:  # closes its pipes, and waits
                     pass
-
-
-def _started(
-    environment: Mapping[str, str], command: Sequence[str], *, quiet: bool
-) -> "subprocess.Popen[bytes]":
-    """Return a worker process that imports this very package, wherever this process found it."""
-    home = str(Path(__file__).parents[2])
-    path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return subprocess.Popen(
-        [sys.executable, *command],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL if quiet else None,
-        env={**os.environ, "PYTHONPATH": path, **environment},
-        start_new_session=True,  # Ctrl-C reaches this process alone, which ends them in order
-    )
 
 
 def local_workers(number: int, *, cores: int, gpus: Sequence[str] = ()) -> Workers:

@@ -16,9 +16,9 @@ from warpwear.errors import StudyWarning
 from warpwear.history.distances import with_unit
 from warpwear.history.verdict import rank_of
 
-#: Longest and shortest silence of a run that writes plain lines [s].
+#: Longest silence of what writes plain lines, and shortest and longest of a run [s].
 EVERY_SECONDS = 30.0
-SILENT_SECONDS = 2.0
+PACE = 2.0, EVERY_SECONDS
 #: Notes that a run writes; all of them are on its page, in its summary and in its log.
 MOST_NOTES = 3
 
@@ -27,20 +27,15 @@ class Progress:
     """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere.
 
     name: of the study, with which lines begin. As a context it tells at its end what misleads, the heaviest
-    first; with all_notes all of it, else three sentences, and how many are left. silence: the shortest and
-    the longest between plain lines [s].
+    first; with all_notes all of it, else three sentences, and how many are left. pace: the shortest and the
+    longest time between plain lines [s].
     """
 
     def __init__(
-        self,
-        name: str,
-        *,
-        quiet: bool = False,
-        all_notes: bool = False,
-        silence: tuple[float, float] = (SILENT_SECONDS, EVERY_SECONDS),
+        self, name: str, *, quiet: bool = False, all_notes: bool = False, pace: tuple[float, float] = PACE
     ) -> None:
         self._name = name
-        self._shortest, self._longest = silence
+        self._shortest, self._longest = pace
         self._quiet = quiet
         self._notes: list[tuple[int, str]] = []
         self._left = sys.maxsize if all_notes else MOST_NOTES

@@ -129,7 +129,7 @@ def test_an_inference_knows_that_friction_decides_what_sticks() -> None:
 def test_a_run_counts_its_steps_and_not_the_cycles_that_they_stand_for(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with run_study(sheared(32), RunOptions(progress=Progress("fretting", silence=(-1.0, -1.0)))) as result:
+    with run_study(sheared(32), RunOptions(progress=Progress("fretting", pace=(-1.0, -1.0)))) as result:
         count = result.history["distance"].size
     told = re.findall(r"step (\d+) of (\d+)", capsys.readouterr().err)
     assert told == [(str(number), str(count)) for number in range(1, count + 1)]
