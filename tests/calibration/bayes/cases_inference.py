@@ -68,7 +68,7 @@ def found_for(posterior: Posterior) -> tuple[dict[str, np.ndarray], np.ndarray]:
 def weighed(posterior: Posterior) -> Samples:
     """Draws of the prior by their likelihood."""
     random = np.random.default_rng(0)
-    z = random.standard_normal((200_000 if posterior.sampled else 4000, len(posterior.sampled)))
+    z = random.standard_normal((80_000 if posterior.sampled else 4000, len(posterior.sampled)))
     logs = posterior.log_likelihood(z)
     weights = np.exp(logs - logs.max())
     return Samples(z[random.choice(len(z), 4000, p=weights / weights.sum())], 0, 1.0, 1.0, 4000.0)
