@@ -19,7 +19,7 @@ nox.options.sessions = ["lint", "tests"]
 ROOT = Path(__file__).parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-QUICK = ("-n", "auto", "--dist", "loadfile")
+QUICK = ("-n", "auto", "--dist", "worksteal")
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 #: Something that a page of the site would fetch when it is shown.
 FETCHED = re.compile(r'(<script[^>]*src|<link[^>]*rel="(stylesheet|preload)"[^>]*href)="(https?:)?//')

@@ -247,10 +247,10 @@ def killed(process: subprocess.Popen[bytes], after: float) -> bool:
     return process.returncode == -signal.SIGKILL
 
 
-def main() -> None:
+def main(arguments: list[str]) -> None:
     """Exit status 1 if anything differs."""
-    if sys.argv[1:2] == ["--here"]:
-        case, every, out, threads = sys.argv[2:]
+    if arguments[:1] == ["--here"]:
+        case, every, out, threads = arguments[1:]
         run_here(case, float(every), Path(out), int(threads))
         return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -259,7 +259,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--case", choices=CASES, action="append", help="repeatable; all, if not given")
     parser.add_argument("--shard", default="0/1", metavar="k/n", help="which part of how many")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     shard, shards = map(int, options.shard.split("/"))
     dice = random.Random(f"{options.seed}, {options.shard}")
     chosen = options.case or list(CASES)
@@ -297,4 +297,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

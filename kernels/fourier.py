@@ -31,7 +31,7 @@ def of_both(function: str) -> Callable[[Callable[..., None]], dict[Any, Any]]:
 
 
 @wp.struct
-class Plan:
+class FourierPlan:
     """Describes a convolution of grids that lie one after another, by the order of its modes.
 
     Around the transforms of a library only the visited grids, their sizes and what is done with modes count.
@@ -54,7 +54,7 @@ class Plan:
 
 @of_both("forward_rows")
 def forward(
-    plan: Plan,
+    plan: FourierPlan,
     turns_in: wp.array(dtype=Any),
     field_in: wp.array2d(dtype=Cells),
     scratch_out: wp.array2d(dtype=Any),
@@ -65,7 +65,7 @@ def forward(
 
 @of_both("across_columns")
 def across(
-    plan: Plan,
+    plan: FourierPlan,
     turns_in: wp.array(dtype=Any),
     table_in: wp.array3d(dtype=Any),
     line_in: wp.array(dtype=wp.float64),
@@ -77,7 +77,7 @@ def across(
 
 @of_both("across_pairs")
 def across_pair(
-    plan: Plan,
+    plan: FourierPlan,
     turns_in: wp.array(dtype=Any),
     table_in: wp.array4d(dtype=Any),
     signs_in: wp.array(dtype=wp.float64),
@@ -89,7 +89,7 @@ def across_pair(
 
 @of_both("back_rows")
 def back(
-    plan: Plan,
+    plan: FourierPlan,
     turns_in: wp.array(dtype=Any),
     scratch_out: wp.array2d(dtype=Any),
     spectrum_in: wp.array3d(dtype=Any),
@@ -100,7 +100,7 @@ def back(
 
 @of_both("convolve_grids")
 def convolve(
-    plan: Plan,
+    plan: FourierPlan,
     turns_in: wp.array(dtype=Any),
     table_in: wp.array3d(dtype=Any),
     line_in: wp.array(dtype=wp.float64),
@@ -113,18 +113,18 @@ def convolve(
 
 
 @of_both("pad_rows")
-def pad(grids: Plan, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
+def pad(grids: FourierPlan, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
     """Copy cells of grids into padded ones, whose padding stays zero."""
 
 
 @of_both("crop_rows")
-def crop(grids: Plan, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
+def crop(grids: FourierPlan, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
     """Copy the fields out of their padding."""
 
 
 @of_both("multiply_modes")
 def multiply(
-    grids: Plan,
+    grids: FourierPlan,
     table_in: wp.array2d(dtype=wp.float64),
     line_in: wp.array(dtype=wp.float64),
     modes: wp.array3d(dtype=Any),
@@ -133,5 +133,5 @@ def multiply(
 
 
 @of_both("multiply_pairs")
-def multiply_pair(grids: Plan, table_in: wp.array3d(dtype=wp.float64), modes: wp.array3d(dtype=Any)):
+def multiply_pair(grids: FourierPlan, table_in: wp.array3d(dtype=wp.float64), modes: wp.array3d(dtype=Any)):
     """Multiply modes of two grids by a symmetric matrix of tables, in place."""

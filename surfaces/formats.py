@@ -52,7 +52,7 @@ class Raw:
 
 
 @dataclass(frozen=True)
-class Source:
+class SurfaceFile:
     """A file is read with what the study says of it beside its name."""
 
     path: Path
@@ -86,8 +86,8 @@ class HeightFormat:
 
     name: str
     endings: tuple[str, ...]
-    fits: Callable[[Source], bool]
-    read: Callable[[Source], Raw]
+    fits: Callable[[SurfaceFile], bool]
+    read: Callable[[SurfaceFile], Raw]
 
     @property
     def words(self) -> str:
@@ -95,7 +95,7 @@ class HeightFormat:
         return f"{self.name} ({', '.join(self.endings)})"
 
 
-def read_raw(source: Source) -> Raw:
+def read_raw(source: SurfaceFile) -> Raw:
     """Read what a file holds in the first of `FORMATS` that it fits.
 
     The ending decides what its content leaves open. Raises InputError, naming ``disc.surface``, for what
@@ -137,7 +137,7 @@ def _first_line(error: Exception) -> str:
     return text.splitlines()[0].strip().rstrip(".:")[:120]
 
 
-def _read_npy(source: Source) -> Raw:
+def _read_npy(source: SurfaceFile) -> Raw:
     with source.path.open("rb") as file:
         array = np.load(file, allow_pickle=False)
         if file.read(1):
@@ -145,7 +145,7 @@ def _read_npy(source: Source) -> Raw:
     return Raw(heights=_real(source.path, array), format="npy")
 
 
-def _is_npz(source: Source) -> bool:
+def _is_npz(source: SurfaceFile) -> bool:
     if source.ending == ".npz" or not source.start.startswith(ZIP):
         return source.ending == ".npz"
     try:
@@ -155,7 +155,7 @@ def _is_npz(source: Source) -> bool:
         return False
 
 
-def _read_npz(source: Source) -> Raw:
+def _read_npz(source: SurfaceFile) -> Raw:
     path, name = source.path, source.array
     check_archive(path)
     with np.load(path, allow_pickle=False) as content:
@@ -179,7 +179,7 @@ def _real(path: Path, array: Any) -> np.ndarray:
     return array
 
 
-def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
+def _read_text(source: SurfaceFile, *, otherwise: InputError | None = None) -> Raw:
     """Read points x y z of a grid, or a matrix whose lines follow y.
 
     otherwise: what an instrument's reader has refused the file for, if it was tried.
@@ -231,23 +231,23 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
     return Raw(values.T, "text", None, lateral, height, notes)
 
 
-def _read_prf(source: Source) -> Raw:
+def _read_prf(source: SurfaceFile) -> Raw:
     """Read a .prf of text, which a stylus instrument's program exports."""
     heights, step = layouts.read_prf(source.path)
     return Raw(heights, "prf", (step,), "mm", "mm")
 
 
-def _read_x3p(source: Source) -> Raw:
+def _read_x3p(source: SurfaceFile) -> Raw:
     """Read the profile in an .x3p, or the map."""
     check_archive(source.path)
     profile = layouts.x3p_profile(source.path)
     return _read_topography(source) if profile is None else Raw(profile[0], "x3p", (profile[1],), "m", "m")
 
 
-def _read_packed(source: Source) -> Raw:
+def _read_packed(source: SurfaceFile) -> Raw:
     """Read any of these that gzip has packed."""
     with container.unpacked(source.path) as file:
-        if Source(file).start.startswith(GZIP):
+        if SurfaceFile(file).start.startswith(GZIP):
             raise ValueError("a packed file in a packed one")
         try:
             return read_raw(replace(source, path=file))
@@ -265,7 +265,7 @@ def _check_hdf5(path: Path) -> None:
         raise refusal(path, "is a result of warpwear; 'warpwear export' writes its worn surfaces")
 
 
-def _read_container(source: Source) -> Raw:
+def _read_container(source: SurfaceFile) -> Raw:
     """Read one measurement of a container; what its file leaves open the container's list may say."""
     path = source.path
     with _refused(path, "as a container"):
@@ -278,7 +278,7 @@ def _read_container(source: Source) -> Raw:
                 if is_container(file):
                     raise ValueError("a container in a container")
                 try:
-                    raw = read_raw(Source(file, source.pixel, channel=member.about.get("data_source")))
+                    raw = read_raw(SurfaceFile(file, source.pixel, channel=member.about.get("data_source")))
                 except InputError as error:
                     raise InputError(str(error).replace(str(file), f"{path}: {name}")) from error
                 return _as_listed(raw, member, kind)
@@ -314,7 +314,7 @@ def _as_listed(raw: Raw, member: Member, kind: str) -> Raw:
     )
 
 
-def _read_instrument(source: Source) -> Raw:
+def _read_instrument(source: SurfaceFile) -> Raw:
     """Read a height map that SurfaceTopography knows, or the numbers of a text that it does not."""
     try:
         return _read_topography(source)
@@ -324,7 +324,7 @@ def _read_instrument(source: Source) -> Raw:
         return _read_text(source, otherwise=error)
 
 
-def _read_topography(source: Source, *, plain: bool = False) -> Raw:
+def _read_topography(source: SurfaceFile, *, plain: bool = False) -> Raw:
     """Read the channel of heights that SurfaceTopography takes, or the one of a number.
 
     plain: whether its readers of text are asked, too.

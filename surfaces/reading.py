@@ -85,7 +85,7 @@ def read(
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
     with copied(path) as (copy, digest):
         try:
-            raw = formats.read_raw(formats.Source(copy, pixel=pair, array=array))
+            raw = formats.read_raw(formats.SurfaceFile(copy, pixel=pair, array=array))
         except InputError as error:
             raise InputError(str(error).replace(str(copy), str(path))) from error
     if digest_of(path) != digest:

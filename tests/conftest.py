@@ -7,6 +7,7 @@ import os
 import pkgutil
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 # Before anything loads NumPy: threads of BLAS that wait for each other take a fifth of the tests' time. No
@@ -14,6 +15,7 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
+import psutil
 import pytest
 import warp as wp
 
@@ -69,25 +71,67 @@ def device(request: pytest.FixtureRequest) -> str:
     return name
 
 
-def shared_by(threads: int, monkeypatch: pytest.MonkeyPatch) -> int:
-    """So many threads, which share grids too small for it to pay; skips where there are fewer cores."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if threads > cores:
-        pytest.skip("one core")
+@pytest.fixture
+def cores(monkeypatch: pytest.MonkeyPatch) -> int:
+    """The cores that there are, whose threads share grids too small for it to pay."""
     monkeypatch.setattr(execution, "CELLS_PER_THREAD", 1)
-    return threads
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @pytest.fixture(params=[1, 2], ids=["1 thread", "2 threads"])
-def threads(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
-    """One and two threads, which also share grids too small for it to pay."""
-    return shared_by(request.param, monkeypatch)
+def threads(request: pytest.FixtureRequest, cores: int) -> int:
+    """One and two threads, which also share grids too small for it to pay; skips where there is one core."""
+    number: int = request.param
+    if number > cores:
+        pytest.skip("one core")
+    return number
 
 
 @pytest.fixture
-def two_threads(monkeypatch: pytest.MonkeyPatch) -> int:
+def two_threads(cores: int) -> int:
     """Two threads, of tests that compare them with one themselves."""
-    return shared_by(2, monkeypatch)
+    if cores < 2:
+        pytest.skip("one core")
+    return 2
+
+
+@pytest.fixture
+def host_with(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """Let the host say that it has so much memory free [B]."""
+
+    def say(free: float) -> None:
+        monkeypatch.setattr(psutil, "virtual_memory", lambda: SimpleNamespace(available=int(free)))
+
+    return say
+
+
+@pytest.fixture
+def watch(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Have a function told of each call of a method or function, with its arguments, before it is made."""
+
+    def begin(owner: Any, name: str, told: Callable[..., object]) -> None:
+        watched = getattr(owner, name)
+
+        def call(*given: Any, **named: Any) -> Any:
+            told(*given, **named)
+            return watched(*given, **named)
+
+        monkeypatch.setattr(owner, name, call)
+
+    return begin
+
+
+@pytest.fixture
+def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, Exception], None]:
+    """Let what stands at a place raise an error, as it does on a full disk."""
+
+    def fail(place: str, error: Exception) -> None:
+        def call(*_: Any, **__: Any) -> Any:
+            raise error
+
+        monkeypatch.setattr(place, call)
+
+    return fail
 
 
 #: Dots per inch that are soon drawn, and a PNG file of one white dot.

@@ -35,17 +35,7 @@ LONG = {
 }
 #: Names that still stand for more than one class; the list may only become shorter.
 TWINS = {
-    "Entry",
-    "Factor",
-    "Friction",
-    "Measured",
-    "Model",
-    "Plan",
-    "Quantity",
     "Row",
-    "Rows",
-    "Source",
-    "Task",
 }
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

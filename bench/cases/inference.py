@@ -39,10 +39,10 @@ sys.path[:0] = [str(TOP), str(TOP / "tests" / "calibration" / "bayes")]
 from cases_inference import course_like, simulate  # noqa: E402
 
 from warpwear import Study  # noqa: E402
-from warpwear.calibration.bayes.data import Data, Measured  # noqa: E402
+from warpwear.calibration.bayes.data import Data, MeasuredValue  # noqa: E402
 from warpwear.calibration.bayes.infer import check_priors, noise_for  # noqa: E402
 from warpwear.calibration.bayes.likelihood import Posterior  # noqa: E402
-from warpwear.calibration.bayes.model import Model  # noqa: E402
+from warpwear.calibration.bayes.model import ForwardModel  # noqa: E402
 from warpwear.calibration.bayes.runs import Runs, make_runs  # noqa: E402
 from warpwear.calibration.bayes.sampler import sample  # noqa: E402
 from warpwear.calibration.bayes.unknowns import unknowns_of  # noqa: E402
@@ -103,15 +103,15 @@ class Case:
     @property
     def like(self) -> Data:
         """What a test measures: two courses, a coefficient, a volume and a diameter; values are drawn."""
-        volume = Measured("volume_disc" if self.name == "rest" else "volume_counter", 1.0, 0.0015)
-        values = (volume, Measured("scar", 1.0, 0.02))
-        end = Measured("friction", 0.5, 0.02, self.study.sliding.total)
+        volume = MeasuredValue("volume_disc" if self.name == "rest" else "volume_counter", 1.0, 0.0015)
+        values = (volume, MeasuredValue("scar", 1.0, 0.02))
+        end = MeasuredValue("friction", 0.5, 0.02, self.study.sliding.total)
         return Data((course_like(self.study), course_like(self.study)), (end,), values)
 
     def posterior(self, data: Data, study: Study | None = None, runs: Runs | None = None) -> Posterior:
         """The posterior of data, by the case's runs or by others."""
         unknowns = tuple(unknowns_of(self.study, self.unknown))
-        model = Model(study or self.study, unknowns, runs or self.runs, frozenset(data.kinds))
+        model = ForwardModel(study or self.study, unknowns, runs or self.runs, frozenset(data.kinds))
         return Posterior(model, tuple(noise_for(data, self.unknown)), data)
 
 

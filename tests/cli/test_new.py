@@ -155,13 +155,12 @@ def test_a_file_that_is_there_is_kept() -> None:
     ],
 )
 def test_what_is_no_study_is_refused_in_a_sentence(
-    arguments: list[str], part: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], part: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from warpwear.cli.main import main
 
-    monkeypatch.setattr("sys.argv", ["warpwear", "new", *arguments])
     with pytest.raises(SystemExit) as end:
-        main()
+        main(["new", *arguments])
     assert end.value.code == 2
     (sentence,) = capsys.readouterr().err.splitlines()
     assert part in sentence

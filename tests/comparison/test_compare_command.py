@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +129,11 @@ def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_p
 
 
 def test_a_comparison_is_replaced_only_when_asked(
-    runs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick_pictures: Any
+    runs: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    failing: Callable[[str, Exception], None],
+    quick_pictures: Any,
 ) -> None:
     for name in FIGURES.keys() - {"cof", "area"}:  # the others are drawn elsewhere
         monkeypatch.delitem(FIGURES, name)
@@ -150,11 +155,7 @@ def test_a_comparison_is_replaced_only_when_asked(
     assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", ".svg", ".svg", ".txt"]
     # A failure while writing leaves the old one.
     before = {path.name: path.read_bytes() for path in out.iterdir()}
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("warpwear.comparison.folder.write_json", full)
+    failing("warpwear.comparison.folder.write_json", OSError(28, "No space left on device"))
     with quick_pictures(blank=True):
         assert "could not be written: No space left on device." in refusal(*arguments, "--overwrite")
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before

@@ -5,6 +5,7 @@ the closed form of a square, and the least bound is found by trying every level.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -367,23 +368,32 @@ def test_every_array_contact_is_certified_in_the_units_of_the_caller(
         assert contact.residual == contact.certificate.violation <= 1e-6
 
 
+def around_searches(
+    monkeypatch: pytest.MonkeyPatch, before: Callable[[], object], after: Callable[[], object]
+) -> None:
+    """Do something before and after every search from here on."""
+    search_alone = Search._search
+
+    def search(self: Search, program: Program) -> None:
+        program.call(before)
+        search_alone(self, program)
+        program.call(after)
+
+    monkeypatch.setattr(Search, "_search", search)
+
+
 def test_what_a_search_wrongly_believes_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its gradients shall be off by a millionth of the rms height from the first step on."""
     grid = Grid(16, 12, 0.5)
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
-        field, right = executor.field(gap), Search._search
+        field = executor.field(gap)
 
         def move(by: float) -> None:
             executor.to_numpy(field)[0, :] += by
 
-        def wrong(search: Search, program: Program) -> None:
-            program.call(lambda: move(1e-6))
-            right(search, program)
-            program.call(lambda: move(-1e-6))
-
-        monkeypatch.setattr(Search, "_search", wrong)
+        around_searches(monkeypatch, lambda: move(1e-6), lambda: move(-1e-6))
         with pytest.raises(
             ConvergenceError, match=r"cannot be certified: complementarity .* 1\.\de-06 of the rms"
         ):
@@ -420,17 +430,12 @@ def test_a_search_that_has_drifted_goes_on(monkeypatch: pytest.MonkeyPatch) -> N
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
-        field, right, times = executor.field(gap), Search._search, iter(range(9))
+        field, times = executor.field(gap), iter(range(9))
 
-        def drifting(search: Search, program: Program) -> None:
-            program.call(lambda: move(0.0 if next(times) else 1e-6))
-            right(search, program)
-            program.call(lambda: executor.fill(field, gap))
+        def move() -> None:
+            executor.to_numpy(field)[0, :] += 0.0 if next(times) else 1e-6
 
-        def move(by: float) -> None:
-            executor.to_numpy(field)[0, :] += by
-
-        monkeypatch.setattr(Search, "_search", drifting)
+        around_searches(monkeypatch, move, lambda: executor.fill(field, gap))
         contact = solver.solve(field, mean_pressure=0.3)
         assert next(times) == 2
         assert contact.certificate is not None

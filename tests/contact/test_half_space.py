@@ -4,6 +4,7 @@ import math
 import re
 import sys
 import tomllib
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -268,11 +269,22 @@ def test_the_stream_is_shared_as_the_library_wants_it(is_new: bool) -> None:
     assert found == (("new", stream) if is_new else ("old", 77, 3))
 
 
+@pytest.fixture
+def wide_from(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+    """Let contacts of so many cells a side start on wider ones."""
+
+    def begin(least: int) -> None:
+        for name in ("LEAST_SIDE", "LEAST_SIDE_ON_GPU"):
+            monkeypatch.setattr(half_space_solver, name, least)
+
+    return begin
+
+
 @pytest.mark.parametrize("shape", [(64, 64), (37, 50)])
 @pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5])
 def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
-    shape: tuple[int, int], boundary: str, hardness: float, device: str, monkeypatch: pytest.MonkeyPatch
+    shape: tuple[int, int], boundary: str, hardness: float, device: str, wide_from: Callable[[int], None]
 ) -> None:
     """Where lines are left over, where cells have no surface, and where each bears a part of the hardness."""
     grid = Grid(*shape, 0.5)
@@ -285,8 +297,7 @@ def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
         if math.isfinite(hardness):
             asked["cap_ratio"] = executor.field(draw.uniform(0.5, 1.0, shape), padding=1.0)
         for least in (10**6, 16):
-            for name in ("LEAST_SIDE", "LEAST_SIDE_ON_GPU"):
-                monkeypatch.setattr(half_space_solver, name, least)
+            wide_from(least)
             contact = HalfSpace(executor, tolerance=1e-9, **options).solve(
                 executor.field(gap, padding=PADDING), streak_window=6, **asked
             )
@@ -306,7 +317,7 @@ def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_a_start_on_wider_cells_saves_iterations(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_start_on_wider_cells_saves_iterations(boundary: str, wide_from: Callable[[int], None]) -> None:
     grid = Grid(128, 128, 1.0 / 128)
     gap = rough(grid, rms=0.01, shortest=12)
     if boundary == "free":
@@ -314,7 +325,7 @@ def test_a_start_on_wider_cells_saves_iterations(boundary: str, monkeypatch: pyt
     work = []
     with Executor(grid) as executor:
         for least in (10**6, 64):
-            monkeypatch.setattr(half_space_solver, "LEAST_SIDE", least)
+            wide_from(least)
             solver = HalfSpace(executor, modulus=1.0, boundary=boundary, tolerance=1e-4)
             work.append(solver.solve(executor.field(gap), mean_pressure=0.05).transforms)
     assert work[1] < 0.9 * work[0]

@@ -2,6 +2,7 @@
 
 import math
 import weakref
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import fft
 
 from warpwear.contact.half_space import window as half_space_window
-from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.contact.half_space.window import Window, WindowedHalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
@@ -94,16 +95,16 @@ def test_a_window_gives_way_to_a_smaller_one() -> None:
         assert solver.solve(gap, load=LOAD).iterations <= 1
 
 
-def test_a_window_goes_before_the_next_takes_its_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_window_goes_before_the_next_takes_its_memory(
+    watch: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
     made: list[weakref.ref[HalfSpace]] = []
 
-    class Watched(HalfSpace):
-        def __init__(self, *args: Any, **options: Any) -> None:
-            assert all(other() is None for other in made)
-            made.append(weakref.ref(self))
-            super().__init__(*args, **options)
+    def note(solver: HalfSpace, *_: Any, **__: Any) -> None:
+        assert all(other() is None for other in made)
+        made.append(weakref.ref(solver))
 
-    monkeypatch.setattr(half_space_window, "HalfSpace", Watched)
+    watch(HalfSpace, "__init__", note)
     monkeypatch.setattr(half_space_window, "MOST_CELLS_STORED", 0)
     with Executor(GRID) as executor:
         solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
@@ -165,25 +166,23 @@ def test_a_pressure_far_below_the_load_is_a_start(boundary: str, device: str) ->
         assert contact.transforms > expected.transforms  # those of the search before count
 
 
-def test_a_window_without_a_contact_grows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_window_without_a_contact_grows(watch: Callable[..., None]) -> None:
     looked: list[Grid] = []
 
-    class Picky(HalfSpace):
-        def solve(self, *fields: Any, **options: Any) -> HalfSpaceContact:
-            looked.append(self._executor.grid)
-            if self._executor.grid.cells < 0.5 * GRID.cells:
-                raise ConvergenceError("it does not converge on few cells")
-            return super().solve(*fields, **options)
+    def note(solver: HalfSpace, *_: Any, **__: Any) -> None:
+        looked.append(solver._executor.grid)
+        if solver._executor.grid.cells < 0.5 * GRID.cells:
+            raise ConvergenceError("it does not converge on few cells")
 
-    monkeypatch.setattr(half_space_window, "HalfSpace", Picky)
+    watch(HalfSpace, "solve", note)
     with Executor(GRID) as executor:
         solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
         found = solver.solve(executor.field(ball()), load=LOAD)
+        cells = [grid.cells for grid in looked]
         whole = HalfSpace(executor, modulus=MODULUS, boundary="free")
         assert found.approach == pytest.approx(
             whole.solve(executor.field(ball()), mean_pressure=LOAD / GRID.area).approach, rel=1e-5
         )
-    cells = [grid.cells for grid in looked]
     assert cells == sorted(set(cells))
     assert len(cells) > 1
 

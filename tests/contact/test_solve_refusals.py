@@ -1,6 +1,7 @@
 """warpwear.solve_contact: every misuse is a sentence, and what did not converge an error."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -131,8 +132,8 @@ def test_misuse_is_told_in_a_sentence(case: str) -> None:
     assert "MPa" not in sentence
 
 
-def test_what_memory_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "free_memory", lambda device: {"the host": 1000})
+def test_what_memory_cannot_hold_is_refused(host_with: Callable[[float], None]) -> None:
+    host_with(1000)
     with pytest.raises(InputError, match=r"heights of shape \(64, 48\) need 0.0 GiB of memory; the host has"):
         solve_contact(HEIGHTS, cell=1.0, load=1.0, modulus=1.0)
 
@@ -160,9 +161,9 @@ def test_a_contact_at_the_edge_is_told() -> None:
 
 
 def test_a_large_contact_says_what_memory_it_needs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    host_with: Callable[[float], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(memory, "free_memory", lambda device: {"the host": 100 * 2**30})
+    host_with(100 * 2**30)
     memory.check_memory((1024, 1024), "cpu", "periodic")
     assert not capsys.readouterr().err
     memory.check_memory((8192, 8192), "cpu", "periodic")

@@ -5,6 +5,7 @@ import re
 import shlex
 import shutil
 import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,14 @@ def test_every_command_has_a_row_of_ten_lines_at_most() -> None:
     assert names(commands) == shown
 
 
+@pytest.fixture
+def blank(quick_pictures: Any) -> Iterator[None]:
+    """Nobody looks at the pictures."""
+    with quick_pictures(blank=True):
+        yield
+
+
+@pytest.mark.usefixtures("blank")
 def test_rows_do_what_the_commands_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

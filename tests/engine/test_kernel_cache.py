@@ -1,6 +1,7 @@
 """Compiled kernels are kept by Warp; damaged ones are compiled anew."""
 
 import errno
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +24,10 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     return wp.get_module(contact.__name__)
 
 
-def test_a_cache_that_cannot_be_written_is_a_sentence(module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: Any, **__: Any) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(wp, "load_module", full)
+def test_a_cache_that_cannot_be_written_is_a_sentence(
+    module: Any, failing: Callable[[str, Exception], None]
+) -> None:
+    failing("warp.load_module", OSError(errno.ENOSPC, "No space left on device"))
     load = kernel_cache.begin_to_load(module, wp.get_device("cpu"))
     with pytest.raises(InputError, match=r"Warp cannot keep compiled kernels in .*: No space left") as error:
         load()

@@ -1,6 +1,7 @@
 """A program does what it says: loops, branches and passes, however it is replayed."""
 
 import gc
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -185,16 +186,14 @@ def test_numbers_stay_as_they_were_recorded(device: str) -> None:
     assert_array_equal(growing.run()[0], values)
 
 
-def test_a_recording_is_replayed_without_the_host(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_recording_is_replayed_without_the_host(watch: Callable[..., None]) -> None:
     """The host makes no launch; of a program that is not recorded, it makes each."""
     counts = [0]
-    launch = wp.Launch.launch
 
-    def counted(command: Any, *options: Any) -> None:
+    def count(*_: Any) -> None:
         counts[-1] += 1
-        launch(command, *options)
 
-    monkeypatch.setattr(wp.Launch, "launch", counted)
+    watch(wp.Launch, "launch", count)
     recorded, walked = Growing("cpu", 1), Growing("cpu", 1, records=False)
     recorded.run()
     for growing in (recorded, walked):

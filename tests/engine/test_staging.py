@@ -8,12 +8,12 @@ from warpwear.engine import staging
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 
+#: A block and some lines of another; and blocks of one or two lines.
+TALL, WIDE = (2100, 1003), (3, staging.TOGETHER // 2)
 
-@pytest.mark.parametrize("shape", [(1, 1), (50, 37), (64, 128)])
-def test_a_field_goes_there_and_back(
-    monkeypatch: pytest.MonkeyPatch, device: str, shape: tuple[int, int]
-) -> None:
-    monkeypatch.setattr(staging, "TOGETHER", 500)
+
+@pytest.mark.parametrize("shape", [(1, 1), (50, 37), TALL, WIDE])
+def test_a_field_goes_there_and_back(device: str, shape: tuple[int, int]) -> None:
     values = np.random.default_rng(0).normal(size=shape)
     with Executor(Grid(*shape, 1.0), device=device) as executor:
         field = staging.upload(executor, lambda rows: 2.0 * values[rows], padding=7.0)
@@ -32,7 +32,6 @@ def test_a_field_goes_there_and_back(
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_blocks_come_in_their_order(monkeypatch: pytest.MonkeyPatch, threads: int) -> None:
-    monkeypatch.setattr(staging, "TOGETHER", 30)
-    firsts = staging.each(lambda rows: rows.start, (17, 10), threads)
+def test_blocks_come_in_their_order(threads: int) -> None:
+    firsts = staging.each(lambda rows: rows.start, (17, staging.TOGETHER // 3), threads)
     assert firsts == list(range(0, 17, 3))

@@ -20,6 +20,12 @@ class Results(dict[str, Result]):
         return self[name]
 
 
+@pytest.fixture
+def few_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Films that are soon drawn."""
+    monkeypatch.setattr("warpwear.figures.of_run.animation.DPI", 40)
+
+
 @pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
     """Finished runs of each kind by its name."""

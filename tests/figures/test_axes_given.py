@@ -158,12 +158,12 @@ def test_a_panel_may_lie_in_a_part_of_a_figure(results: dict[str, Result]) -> No
 
 
 def test_a_film_has_a_frame_a_snapshot(
-    results: dict[str, Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    results: dict[str, Result], tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     result = results["rough"]
     pixels = [round(animation.DPI * inches) for inches in animation.SIZE]
     assert [count % 2 for count in pixels] == [0, 0]  # as H.264 asks
-    monkeypatch.setattr(animation, "DPI", 40)
+    request.getfixturevalue("few_pixels")
     path = animate(result, tmp_path / "wear.gif", frames_per_second=4.0)
     with Image.open(path) as shown:
         assert shown.n_frames == result.snapshot_distances.size == 4
@@ -196,15 +196,15 @@ def test_what_cannot_be_filmed_is_refused(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.usefixtures("few_pixels")
 def test_a_film_needs_snapshots_and_an_encoder(
     results: dict[str, Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(InputError, match=r"at least two snapshots, .* kept 1; .*--set output\.snapshots="):
         animate(results["end only"])
-    monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    monkeypatch.setenv("PATH", "")
     with pytest.raises(InputError, match=r"needs ffmpeg, which is not installed"):
         animate(results["rough"], tmp_path / "wear.mp4")
-    monkeypatch.setattr(animation, "DPI", 40)
     folder = results["flat"].folder
     assert folder is not None
     with pytest.raises(SystemExit) as ended:

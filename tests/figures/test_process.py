@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,10 @@ from PIL import Image
 import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import commands
-from warpwear.engine import workers
 from warpwear.figures import process
 from warpwear.figures.of_run.table import ESSENTIAL
 from warpwear.results.file import ResultFile
+from warpwear.runs import run as running
 
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
 OF_PATCHES = {"grid.cell": "10 um", "disc.synthetic.cut_off": "20 um", "sliding.distance": "3 mm"}
@@ -44,10 +45,16 @@ def study_of(kind: str) -> Study:
 
 
 @pytest.fixture
-def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A run that has a core for another process, wherever the tests run."""
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """A run that has a core for another process, wherever the tests run; asked again, with options."""
     start = process.Painter.__init__
-    monkeypatch.setattr(process.Painter, "__init__", lambda self, cores: start(self, cores and CORES))
+
+    def ask(**how: Any) -> None:
+        painter = lambda self, cores: start(self, cores and CORES, **how)  # noqa: E731
+        monkeypatch.setattr(process.Painter, "__init__", painter)
+
+    ask()
+    return ask
 
 
 def figures_in(folder: Path) -> dict[str, Path]:
@@ -79,22 +86,24 @@ def test_pictures_are_those_that_the_run_itself_would_draw(
                 np.testing.assert_array_equal(np.asarray(one), np.asarray(other), err_msg=figure)
 
 
-@pytest.mark.usefixtures("two_cores")
 @pytest.mark.parametrize("fault", ["it does not start", "it dies", "it says nothing", "a figure fails"])
 def test_figures_are_there_whatever_happens_to_the_other_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick_pictures: Any, fault: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    two_cores: Callable[..., None],
+    quick_pictures: Any,
+    fault: str,
 ) -> None:
     if fault == "it does not start":
         monkeypatch.setattr(sys, "executable", str(tmp_path / "nothing"))
     elif fault == "it dies":
-        monkeypatch.setattr(workers, "COMMAND", ("-c", "import os; os._exit(1)"))
+        two_cores(command=("-c", "import os; os._exit(1)"))
     elif fault == "it says nothing":
-        monkeypatch.setattr(workers, "COMMAND", ("-c", "import time; time.sleep(60)"))
-        monkeypatch.setattr(process, "PATIENCE", 0.2)
+        two_cores(command=("-c", "import time; time.sleep(60)"), patience=0.2)
     else:
         broken = "import warpwear.figures.paint as p; p.paint_map = None"
         serves = "from warpwear.engine.workers import serve; serve()"
-        monkeypatch.setattr(workers, "COMMAND", ("-c", f"{broken}; {serves}"))
+        two_cores(command=("-c", f"{broken}; {serves}"))
     with (
         quick_pictures(blank=True, second_process=True),
         warpwear.run(study_of("static"), out=tmp_path / "run") as result,
@@ -120,23 +129,20 @@ def test_what_is_slow_is_imported_when_it_is_needed() -> None:
     assert not slow & {*done.stdout.split()}
 
 
-@pytest.mark.usefixtures("two_cores")
 def test_no_snapshot_is_read_back(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick_pictures: Any
+    tmp_path: Path, watch: Callable[..., None], two_cores: Callable[..., None], quick_pictures: Any
 ) -> None:
     """Tables and all figures, whoever draws them, come from the fields that the run had in its hands.
 
     The other process gets what it needs and dies: this one makes all figures.
     """
-    read = ResultFile.snapshot
     missed: list[Any] = []
 
-    def snapshot(self: ResultFile, index: int) -> Any:
-        missed.extend([] if index % self.snapshot_distances.size in self.at_hand else [index])
-        return read(self, index)
+    def note(file: ResultFile, index: int) -> None:
+        missed.extend([] if index % file.snapshot_distances.size in file.at_hand else [index])
 
-    monkeypatch.setattr(ResultFile, "snapshot", snapshot)
-    monkeypatch.setattr(workers, "COMMAND", ("-c", "import sys; sys.stdin.read(100)"))
+    watch(ResultFile, "snapshot", note)
+    two_cores(command=("-c", "import sys; sys.stdin.read(100)"))
     with quick_pictures(blank=True, second_process=True):
         result = warpwear.run(study_of("rough"), out=tmp_path / "run", plots="all")
     assert not missed
@@ -170,14 +176,14 @@ def test_which_figures_are_asked_for(tmp_path: Path) -> None:
     assert not (tmp_path / "some").exists()
 
 
-def test_figures_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_figures_on_the_command_line(tmp_path: Path, watch: Callable[..., None]) -> None:
     asked: list[str] = []
 
     def run_study(study: Study, how: Any) -> None:
         asked.append(how.plots)
         raise InputError("enough")
 
-    monkeypatch.setattr("warpwear.runs.run.run_study", run_study)
+    watch(running, "run_study", run_study)
     for options in ([], ["--plots", "all"], ["--no-plots"], ["--plots", "none"]):
         CliRunner().invoke(commands, ["run", "v1", "--out", str(tmp_path / "out"), *options])
     assert asked == ["essential", "all", "none", "none"]
@@ -187,18 +193,13 @@ def test_figures_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.usefixtures("two_cores")
-def test_an_interrupted_run_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_run_leaves_no_process(tmp_path: Path, watch: Callable[..., None]) -> None:
     seen: list[subprocess.Popen[bytes]] = []
-
-    class Started(subprocess.Popen[bytes]):
-        def __init__(self, *given: Any, **more: Any) -> None:
-            super().__init__(*given, **more)
-            seen.append(self)
 
     def stop(step: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(subprocess, "Popen", Started)
+    watch(subprocess.Popen, "__init__", lambda process, *_, **__: seen.append(process))
     with pytest.raises(KeyboardInterrupt):
         warpwear.run(study_of("rough"), out=tmp_path / "run", callback=stop)
     assert [started.poll() is None for started in seen] == [False]

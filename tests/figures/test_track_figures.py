@@ -91,7 +91,8 @@ def test_the_track_gets_smoother(result: Result) -> None:
     assert summary["roughness_um"]["end"]["spk"] == pytest.approx(table["spk"][-1])
 
 
-def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("few_pixels")
+def test_figures_of_a_track(result: Result, tmp_path: Path) -> None:
     for name in OF_TRACKS:
         assert result.plot.reason(name) is None
         figure = getattr(result.plot, name)()
@@ -107,7 +108,6 @@ def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.
     assert set(still.plot.left_out) >= OF_TRACKS
     with pytest.raises(InputError, match="the disc lies still"):
         still.plot.groove()
-    monkeypatch.setattr("warpwear.figures.of_run.animation.DPI", 40)
     film = animate(result, tmp_path / "film.gif")
     with Image.open(film) as frames:
         assert frames.n_frames == 3  # type: ignore[attr-defined]

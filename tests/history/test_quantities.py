@@ -1,5 +1,6 @@
 """Quantities are declared once, and everything that is computed is declared."""
 
+from collections.abc import Callable
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
@@ -39,17 +40,11 @@ SHORT: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("case", SHORT)
-def test_every_model_books_what_is_declared_of_it(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_model_books_what_is_declared_of_it(case: str, watch: Callable[..., None]) -> None:
     preset, changes = SHORT[case]
     study = Study.load(preset).replace(changes | {"sliding.distance": "1 mm", "output.snapshots": []})
     seen: list[dict[str, float]] = []
-    append = Rows.append
-
-    def noted(self: Rows, row: dict[str, float]) -> None:
-        seen.append(row)
-        append(self, row)
-
-    monkeypatch.setattr(Rows, "append", noted)
+    watch(Rows, "append", lambda _, row: seen.append(row))
     result = warpwear.run(study)
     booked = {column.name for column in columns_of(study)} - {"cof", "friction_energy"}
     assert seen

@@ -264,7 +264,7 @@ def test_a_factor_that_only_friction_follows_is_refused(
 ) -> None:
     """Wear and caps would else be those of another shear strength."""
     study = Study.load("v3-fine").replace(CASES["rough"][1] | {"friction.shear_strength": "4 MPa"})
-    factor = friction.Factor(("ploughing",), of=lambda history, by: 1.0 + by, formula="", sentence="")
+    factor = friction.StrengthFactor(("ploughing",), of=lambda history, by: 1.0 + by, formula="", sentence="")
     monkeypatch.setattr(friction, "FACTORS", (friction.RUNNING_IN, factor))
     study.replace({"friction.ploughing": 0.1})
     with pytest.raises(InputError, match=f"friction.ploughing does not go with {beside}, which does not"):

@@ -14,10 +14,10 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.batches.run_one import Task, run_one
-from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.batches.run_one import Row, RunTask, run_one
+from warpwear.calibration.bayes.data import Data, MeasuredValue
 from warpwear.calibration.bayes.infer import _check_unknowns
-from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.model import ForwardModel
 from warpwear.calibration.bayes.runs import make_runs, needs_runs
 from warpwear.calibration.bayes.unknowns import Unknown, unknowns_of
 from warpwear.calibration.energy import calibrate_energy
@@ -197,20 +197,33 @@ def refusal(pair: Pair, consumer: str, call: Callable[[], Any]) -> bool:
     return True
 
 
-def test_a_key_changes_the_run_and_what_is_said_of_it(pair: Pair) -> None:
+@pytest.fixture(scope="module")
+def said_of() -> Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]:
+    """Tell what a page and LaTeX say of a run, and its row in a sweep; once, for cases begin alike."""
+    said: dict[Path, tuple[dict[str, Any], Row]] = {}
+
+    def say(study: Study, folder: Path, run: Result) -> tuple[dict[str, Any], Row]:
+        if folder not in said:
+            row = run_one(RunTask(study.to_toml(), str(folder), "cpu"))
+            said[folder] = words_of(run), row
+        return said[folder]
+
+    return say
+
+
+def test_a_key_changes_the_run_and_what_is_said_of_it(
+    pair: Pair, said_of: Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]
+) -> None:
     """Run, page, LaTeX, row of a sweep and comparison."""
     before, after = (result.history for result in pair.results)
     same = len(before["cof"]) == len(after["cof"])
     assert not same or any(not np.array_equal(before[name], after[name]) for name in before)
-    words = [words_of(result) for result in pair.results]
+    words, rows = zip(*map(said_of, pair.studies, pair.folders, pair.results), strict=True)
     for part in ("methods", "latex", "summary", "table"):
         if (part, pair.key) == ("table", "friction.law"):  # both end at the coefficient that is given
             continue
         if part != "methods" or pair.key.removeprefix("friction.") in KEYS:
             assert words[0][part] != words[1][part], part
-    rows = [
-        run_one(Task(s.to_toml(), str(f), "cpu")) for s, f in zip(pair.studies, pair.folders, strict=True)
-    ]
     assert rows[0].ends != rows[1].ends
     for row, study in zip(rows, pair.studies, strict=True):
         strength = row.ends["shear_strength [MPa]"]
@@ -225,28 +238,28 @@ def constant_of(study: Study) -> tuple[Unknown, ...]:
 
 
 @pytest.fixture(scope="module")
-def model_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Study], Model]:
+def model_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Study], ForwardModel]:
     """Make the model of a study once, for many cases begin with the same."""
-    models: dict[str, Model] = {}
+    models: dict[str, ForwardModel] = {}
 
-    def make(study: Study) -> Model:
+    def make(study: Study) -> ForwardModel:
         text = study.to_toml()
         if text not in models:
             out, unknowns = tmp_path_factory.mktemp("model"), constant_of(study)
             runs = make_runs(study, unknowns, samples=None, seed=0, out=out, device="cpu")
-            models[text] = Model(study, unknowns, runs)
+            models[text] = ForwardModel(study, unknowns, runs)
         return models[text]
 
     return make
 
 
 def test_a_key_changes_an_inference_as_it_changes_the_run(
-    pair: Pair, model_of: Callable[[Study], Model]
+    pair: Pair, model_of: Callable[[Study], ForwardModel]
 ) -> None:
     """A model of the changed study computes what its run came to."""
     study, history = pair.studies[1], pair.results[1].history
     distance, cof = course(pair.results[1], "cof")  # along a track the means of its passes
-    like = Data(points=(Measured("friction", 0.6, 0.02, study.sliding.total),))
+    like = Data(points=(MeasuredValue("friction", 0.6, 0.02, study.sliding.total),))
     asked = constant_of(study)
     if refusal(pair, "inference", lambda: _check_unknowns(study, asked, like)):
         return
@@ -278,7 +291,7 @@ def test_a_key_is_no_unknown_that_nothing_follows_from(pair: Pair, tmp_path: Pat
         assert pair.key.removeprefix("friction.") not in FITTED or study.friction.law == "coulomb"
         return
     runs = make_runs(study, (unknown,), samples=None, seed=0, out=tmp_path, device="cpu")
-    model = Model(study, (unknown,), runs)
+    model = ForwardModel(study, (unknown,), runs)
     values = {pair.key: unknown.values(np.array([-1.0, 1.0]))}
     cof = model.cof(values | {"friction.shear_strength": np.array([4.0, 4.0])} | values, np.array([3.0, 5.0]))
     if study.friction.law == "coulomb" and pair.key.startswith("wear."):

@@ -24,7 +24,6 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.record import describe
 from warpwear.measured.course import read_experiment
-from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
 SMALL = {
@@ -115,19 +114,13 @@ def test_broken_records_of_five_megabytes(name: str, stroke: str | None, tmp_pat
 def stopped(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """Result and checkpoint of a run that was interrupted."""
     out = tmp_path_factory.mktemp("runs") / "out"
-    advance, calls = OneScaleModel.advance, []
 
-    def interrupted(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        calls.append(1)
-        if len(calls) > 8:
+    def interrupted(step: warpwear.RunStep) -> None:
+        if step.index == 7:
             raise KeyboardInterrupt
-        return advance(self, *args, **kwargs)
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-        patch.setattr(OneScaleModel, "advance", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            warpwear.run(study(), out=out, plots=False)
+    with pytest.raises(KeyboardInterrupt):
+        warpwear.run(study(), out=out, plots=False, callback=interrupted)
     return {name: (out / name).read_bytes() for name in ("result.h5", CHECKPOINT)}
 
 

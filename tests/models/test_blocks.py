@@ -76,15 +76,8 @@ def replays(monkeypatch: pytest.MonkeyPatch, before: Callable[[], object] = bool
     return asked
 
 
-def make_them(monkeypatch: pytest.MonkeyPatch, how: str) -> None:
-    """One by one from now on, with passes shared among threads where there are two; or many in a replay."""
-    alone = how == "one by one"
-    monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 5_000 if alone else 100_000)
-    for model in (OneScaleModel, SweptModel):
-        monkeypatch.setattr(model, "longest_block", 1 if alone else 500)
-
-
-WAYS = ("one by one", "many in a replay")
+#: How steps are made, and of how many a block is at most.
+WAYS = {"one by one": 1, "many in a replay": 500}
 
 
 def state_of(model: Model) -> dict[str, Any]:
@@ -107,10 +100,10 @@ def made_by(model: Model, increments: Iterable[float], pressure_of: Iterable[int
 def test_a_replay_makes_the_steps(kind: str, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every row, the state after them and the fields between them."""
     made, outcomes = replays(monkeypatch), []
-    for how in WAYS:
-        make_them(monkeypatch, how)
+    for how, longest in WAYS.items():
         with Executor(Grid(*SHAPE, CELL), threads=threads if how == "one by one" else 1) as executor:
             model = model_of(kind, executor)
+            model.longest_block = longest
             steps = made_by(model, INCREMENTS, pressure_of=(30, 31, 89))
             outcomes.append((steps, state_of(model)))
         assert (max(made) > 25) == (how != "one by one")
@@ -126,24 +119,24 @@ def test_a_replay_makes_the_steps(kind: str, threads: int, monkeypatch: pytest.M
 
 @pytest.mark.parametrize("longest", [1, 7])
 @pytest.mark.parametrize("kind", ["capped springs", "explicit, across", "bearing area"])
-def test_blocks_may_end_anywhere(kind: str, longest: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_may_end_anywhere(kind: str, longest: int) -> None:
     outcomes = []
     for length in (longest, 500):
         with Executor(Grid(*SHAPE, CELL)) as executor:
             model = model_of(kind, executor)
-            monkeypatch.setattr(type(model), "longest_block", length)
+            model.longest_block = length
             outcomes.append(made_by(model, INCREMENTS))
     assert_same(*outcomes)
 
 
-def test_ties_are_made_in_a_replay(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ties_are_made_in_a_replay() -> None:
     """On a smooth disc eight cells tie, of which the load asks for a part."""
     outcomes = []
-    for how in WAYS:
-        make_them(monkeypatch, how)
+    for longest in WAYS.values():
         with Executor(Grid(150, 150, CELL)) as executor:
             task = replace(study("bearing area").contact_task, load_tolerance=1.0e-3)
             model = model_at_rest(task, np.zeros((150, 150)), executor)
+            model.longest_block = longest
             outcomes.append(made_by(model, [0.003] * 20))
     assert all(abs(step.row["load_residual"]) < 1.0e-9 for step in outcomes[0])  # but for ties by whole cells
     assert_same(*outcomes)
@@ -160,9 +153,9 @@ def test_a_contact_at_the_edge_stops_where_it_did(
     monkeypatch.setattr("warpwear.runs.order.too_small", lambda study: None)
     found = {}
     for name in WAYS:
-        make_them(monkeypatch, name)
+        watch = (lambda step: None) if name == "one by one" else None  # whoever watches gets them so
         with pytest.raises(InvariantError, match="edge"):
-            warpwear.run(small, out=tmp_path / name, plots=False, threads=1)
+            warpwear.run(small, out=tmp_path / name, plots=False, threads=1, callback=watch)
         with warpwear.Result.open(tmp_path / name) as result:
             found[name] = {column: np.array(values) for column, values in result.history.items()}
         assert (tmp_path / name / "checkpoint.h5").exists()

@@ -1,6 +1,7 @@
 """The half-space under a ball that slides: against dense matrices, closed forms and the local law."""
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -167,14 +168,20 @@ def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
             assert step.row["approach"] == pytest.approx(first.row["approach"], rel=1e-9)
 
 
+@pytest.fixture
+def parts_off_by(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """Let the parts of a step be as long as such an error of the area allows."""
+    return lambda error: monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", error)
+
+
 @pytest.mark.parametrize(
     ("track", "wears"), [("full", True), ("representative", True), ("rotating", False)], ids=str
 )
 def test_a_track_goes_on_from_any_step(
-    track: str, wears: bool, two_threads: int, monkeypatch: pytest.MonkeyPatch
+    track: str, wears: bool, two_threads: int, parts_off_by: Callable[[float], None]
 ) -> None:
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
-    monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", 0.4)  # parts of a few cells
+    parts_off_by(0.4)  # parts of a few cells
     study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
     study = study if wears else study.replace({"wear.counter": "0 mm^3/N/m"})
     path = study.track
@@ -249,8 +256,8 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
     assert summed == {"number": ends[-1], "most_of_a_step": shift, "estimated_error_at_most": 0.0}
 
 
-def test_a_step_that_stays_too_long_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", np.inf)
+def test_a_step_that_stays_too_long_is_told_of(parts_off_by: Callable[[float], None]) -> None:
+    parts_off_by(np.inf)
     result = warpwear.run(small("representative", contact__law="half-space", sliding__distance="1.2 mm"))
     assert result.history["parts"].max() == 1.0
     assert any("too long for 2 of the steps" in note for note in result.summary["warnings"])
@@ -330,9 +337,9 @@ def test_what_does_not_apply_is_told_and_what_does_not_fit_refused() -> None:
         swept.replace({"stepping.scheme": "explicit", "stepping.force": True})
 
 
-def test_memory_is_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_memory_is_looked_at_first(host_with: Callable[[float], None]) -> None:
     """More of it than by the local law."""
-    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 200_000})
+    host_with(200_000)
     warpwear.run(small("full", sliding__distance="0 mm"))
     with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
         warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))

@@ -1,7 +1,7 @@
 """Roughness and islands against the distance slid."""
 
+from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -151,13 +151,10 @@ def test_the_share_above_is_that_of_the_islands(result: Result) -> None:
     assert above["end"] == found.table["share_above_critical"][-1] > above["first"]
 
 
-def test_a_run_computes_it_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_computes_it_once(tmp_path: Path, watch: Callable[..., None]) -> None:
     """The result in its place knows what was found before it was moved there."""
     made: list[int] = []
-    of_snapshot = evolution._of_snapshot
-    monkeypatch.setattr(
-        evolution, "_of_snapshot", lambda *given: made.append(given[1]) or of_snapshot(*given)
-    )
+    watch(evolution, "_of_snapshot", lambda *given: made.append(given[1]))
     study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "3 mm"})
     with warpwear.run(study, out=tmp_path / "run", plots=False) as result:
         assert result.surface_evolution.table["distance"].size == len(result.snapshots)
@@ -165,13 +162,10 @@ def test_a_run_computes_it_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize(("last", "grows"), [(3.34, True), (2.8, False)])
-def test_a_way_to_an_equilibrium_has_no_length_where_the_view_changes(
-    monkeypatch: pytest.MonkeyPatch, last: float, grows: bool
-) -> None:
+def test_a_way_to_an_equilibrium_has_no_length_where_the_view_changes(last: float, grows: bool) -> None:
     """The unworn disc's roughness in the inner scar says that it is another place."""
     table = {"distance": np.array([0.0, 3.0, 30.0]), "sq_disc_unworn": np.array([2.0, 2.73, last])}
-    monkeypatch.setattr(evolution, "surface_evolution", lambda result: SimpleNamespace(table=table))
-    reason = evolution.growth_of_view(None)
+    reason = evolution.growth_of_view(table)
     assert (reason is not None) == grows
     if grows:
         assert "from 2.73 to 3.34 µm" in reason

@@ -1,5 +1,7 @@
 """Files for ParaView, MountainsMap, MATLAB and CAD: read back they hold the same numbers, axes and units."""
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,7 +15,6 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import commands
 from warpwear.history.quantities import FIELDS
-from warpwear.results import export as exporting
 from warpwear.results.export import FORMATS, export
 from warpwear.results.formats.bodies import NO_SURFACE, worn_heights
 
@@ -241,22 +242,19 @@ def test_bad_input(tmp_path: Path, result: Result, swept: Result) -> None:
 
 
 def test_a_missing_package_is_named(tmp_path: Path, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exporting, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "xarray", None)
     with pytest.raises(InputError, match=r"'netcdf' needs the package xarray: pip install 'warpwear\[io\]'"):
         export(result, tmp_path / "out", formats=["netcdf"])
     assert not (tmp_path / "out").exists()
 
 
-def test_all_or_nothing(tmp_path: Path, result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_or_nothing(tmp_path: Path, result: Result, failing: Callable[[str, Exception], None]) -> None:
     """A disk that fills up at the last file leaves what was there, and nothing new."""
     (tmp_path / "disc.pvd").write_text("mine")
     with pytest.raises(InputError, match=r"already holds disc\.pvd"):
         export(result, tmp_path, formats=["npy", "vti"])
 
-    def full(*_: Any) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("warpwear.results.formats.vtk._write_film", full)
+    failing("warpwear.results.formats.vtk._write_film", OSError(28, "No space left on device"))
     for folder in (tmp_path, tmp_path / "new"):
         with pytest.raises(InputError, match="cannot be written: No space left on device"):
             export(result, folder, formats=["npy", "vti"], overwrite=True)

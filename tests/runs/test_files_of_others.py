@@ -12,7 +12,6 @@ from fuzzing import check_sentence
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.models.rest.local import OneScaleModel
 from warpwear.results import manifest
 from warpwear.results.folder import LOCK
 
@@ -134,17 +133,14 @@ def test_a_file_that_a_run_would_replace(name: str, out: Path) -> None:
     assert (out / name).read_text() == "mine"
 
 
-def test_a_file_that_came_while_the_run_went_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    out, advance = tmp_path / "out", OneScaleModel.advance
+def test_a_file_that_came_while_the_run_went_on(tmp_path: Path) -> None:
+    out = tmp_path / "out"
 
-    def writing(*given: Any, **named: Any) -> Any:
+    def writing(step: warpwear.RunStep) -> None:
         (out / "log.txt").write_text("mine")
-        return advance(*given, **named)
 
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)
-    monkeypatch.setattr(OneScaleModel, "advance", writing)
     with pytest.warns(UserWarning, match=r"log\.txt was not written by a run: it is log-.*\.txt now"):
-        warpwear.run(study(), out=out, plots=False).close()
+        warpwear.run(study(), out=out, plots=False, callback=writing).close()
     (kept,) = out.glob("log-*.txt")
     assert kept.read_text() == "mine"
     assert "finished: " in (out / "log.txt").read_text()

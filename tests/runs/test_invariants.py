@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cases_track import small as small_track
 from fuzzing import check_sentence
+from runs.stopped.cases_stopped import at_step
 
 import warpwear
 from warpwear import ConvergenceError, InputError, Result, Study
@@ -18,9 +19,9 @@ from warpwear.cli import main as cli
 from warpwear.engine import state as saved
 from warpwear.engine.program import Program
 from warpwear.errors import InvariantError
+from warpwear.history.rows import Rows
 from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.models.track.local import SlidingContact
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.invariants import Invariants
 from warpwear.study.rules_track import worn_patch
@@ -82,32 +83,22 @@ def test_rows_that_break_none() -> None:
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
-    monkeypatch.setattr(OneScaleModel, "longest_block", 1)  # on a GPU
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
 
-    def spoil(self: OneScaleModel) -> None:
-        calls.append(1)
-        if len(calls) == step:
-            arrays, numbers = saved.save(self)
-            if f"state.{name}" not in arrays:
-                pytest.skip(f"the model's steps do not change {name}")
-            arrays = {key: np.array(values) for key, values in arrays.items()}
-            gap, field = (arrays[f"state.{key}"].reshape(self._executor.grid.nx, -1) for key in ("gap", name))
-            where = np.unravel_index(gap.argmin(), gap.shape)
-            field[where] = how(field[where])
-            saved.restore(self, arrays, numbers)
+    def spoil(model: OneScaleModel) -> None:
+        arrays, numbers = saved.save(model)
+        if f"state.{name}" not in arrays:
+            pytest.skip(f"the model's steps do not change {name}")
+        arrays = {key: np.array(values) for key, values in arrays.items()}
+        gap, field = (arrays[f"state.{key}"].reshape(model._executor.grid.nx, -1) for key in ("gap", name))
+        where = np.unravel_index(gap.argmin(), gap.shape)
+        field[where] = how(field[where])
+        saved.restore(model, arrays, numbers)
 
-    def advance_broken(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        spoil(self)
-        return advance(self, *args, **kwargs)
+    at_step(monkeypatch, step - 1, spoil)
 
-    def block_broken(self: OneScaleModel, *args: Any) -> Any:
-        spoil(self)
-        yield from block(self, *args)
 
-    monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
-    monkeypatch.setattr(OneScaleModel, "_block", block_broken)
+def unbalanced(_: object) -> None:
+    raise ConvergenceError("the load balance did not converge: 1 N of 8 N are left.")
 
 
 def not_a_number(value: float) -> float:
@@ -174,16 +165,8 @@ def test_without_strict_checks_it_goes_on_and_says_so_once(
         assert sorted(w.partition(" =")[0] for w in told) == ["wear_volume_counter", "wear_volume_disc"]
 
 
-def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    advance = OneScaleModel.advance
-
-    def without_volume(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        step = advance(self, *args, **kwargs)
-        step.row["wear_volume_disc"] = math.nan
-        return step
-
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "advance", without_volume)
+def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, watch: Callable[..., None]) -> None:
+    watch(Rows, "append", lambda _, row: row.update(wear_volume_disc=math.nan))
     study = small(checks__strict=False)
     with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
         assert result.finished
@@ -276,16 +259,7 @@ def test_an_unbalanced_step_leaves_the_run_so_far(
     changes: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Solving it again would end alike, so that is not what is advised."""
-    advance, calls = OneScaleModel.advance, []
-
-    def failing(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        calls.append(1)
-        if len(calls) > 10:
-            raise ConvergenceError("the load balance did not converge: 1 N of 8 N are left.")
-        return advance(self, *args, **kwargs)
-
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "advance", failing)
+    at_step(monkeypatch, 10, unbalanced)
     kept = rf"The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\."
     told = rf"8 N are left\. {kept} A new run may get further with smaller increments \(\[stepping\]\)\.$"
     with pytest.raises(ConvergenceError, match=told):
@@ -299,16 +273,7 @@ def test_an_unbalanced_step_on_a_track_leaves_the_run_so_far(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its increments are no matter of choice."""
-    step, calls = SlidingContact.step, []
-
-    def failing(self: SlidingContact, *args: Any, **kwargs: Any) -> Any:
-        calls.append(1)
-        if len(calls) > 10:
-            raise ConvergenceError("the load balance did not converge: 1 N of 8 N are left.")
-        return step(self, *args, **kwargs)
-
-    monkeypatch.setattr(SlidingContact, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(SlidingContact, "step", failing)
+    at_step(monkeypatch, 10, unbalanced)
     kept = rf"8 N are left\. The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\.$"
     with pytest.raises(ConvergenceError, match=kept):
         warpwear.run(small_track("representative"), out=tmp_path / "out", plots=False)

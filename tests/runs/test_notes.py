@@ -5,6 +5,7 @@ import json
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -12,7 +13,7 @@ from click.testing import CliRunner
 import warpwear
 from warpwear import Study
 from warpwear.cli.main import commands
-from warpwear.runs import console, doubts
+from warpwear.runs import doubts
 from warpwear.runs.console import Progress
 
 #: A study with more than three things to be said of it, one of which takes all trust.
@@ -34,10 +35,13 @@ def study(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_terminal_gets_the_result_the_verdict_and_three_notes(study: Path, tmp_path: Path) -> None:
+def test_a_terminal_gets_the_result_the_verdict_and_three_notes(
+    study: Path, tmp_path: Path, quick_pictures: Any
+) -> None:
     """In this order; the page and the record have every note."""
     out = tmp_path / "run"
-    shown = CliRunner().invoke(commands, ["run", str(study), "--out", str(out)])
+    with quick_pictures(blank=True):
+        shown = CliRunner().invoke(commands, ["run", str(study), "--out", str(out)])
     assert shown.exit_code == 0
     first, second, *_ = shown.stdout.splitlines()
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
@@ -81,12 +85,11 @@ def test_every_kind_reaches_the_page(kind: str, study: Path) -> None:
 
 
 def test_a_long_run_tells_its_warnings_early(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     """They are told once, and one line is kept for what the end brings."""
-    monkeypatch.setattr(console, "SILENT_SECONDS", -1.0)
     row = {"distance": 1.0, "area_contact": 1.0}
-    with Progress("long") as progress:
+    with Progress("long", pace=(-1.0, 30.0)) as progress:
         progress.note("This key does not apply.")
         for number in range(3):
             progress.note(f"Warning {number}.", kind="warning")

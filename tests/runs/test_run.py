@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,6 @@ import pytest
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.engine.executor import Executor
-from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.surfaces.made.self_affine import SelfAffine
@@ -86,15 +86,9 @@ def test_snapshots_in_memory_are_copies_until_they_are_closed() -> None:
         _ = result.snapshots[-1]
 
 
-def test_a_random_surface_is_made_once_for_runs_on_the_same_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_random_surface_is_made_once_for_runs_on_the_same_cells(watch: Callable[..., None]) -> None:
     made: list[int] = []
-    heights = SelfAffine.heights
-
-    def counted(surface: SelfAffine, x: FloatArray, y: FloatArray) -> FloatArray:
-        made.append(surface.seed)
-        return heights(surface, x, y)
-
-    monkeypatch.setattr(SelfAffine, "heights", counted)
+    watch(SelfAffine, "heights", lambda surface, *_: made.append(surface.seed))
     study = quick(disc__synthetic__seed=71)
     first, again = (warpwear.run(study) for _ in range(2))
     assert made == [71]
@@ -230,10 +224,10 @@ def test_nothing_is_overwritten_silently(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_computed_leaves_nothing_behind(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], message: str
+    tmp_path: Path, host_with: Callable[[float], None], changes: dict[str, Any], message: str
 ) -> None:
     # a host with more memory would make these cells, for minutes
-    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 8 * 2**30})
+    host_with(8 * 2**30)
     with pytest.raises(InputError, match=message):
         warpwear.run(quick().replace(changes), out=tmp_path / "new" / "out")
     assert list(tmp_path.iterdir()) == []
@@ -266,20 +260,14 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
         warpwear.run(quick(), out=tmp_path / "out")
 
 
-def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    advance, calls = OneScaleModel.advance, []
-
-    def interrupted(self: OneScaleModel, *args: Any, **kwargs: Any) -> Any:
-        calls.append(1)
-        if len(calls) > 100:
+def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path) -> None:
+    def interrupted(step: warpwear.RunStep) -> None:
+        if step.index == 99:
             raise KeyboardInterrupt
-        return advance(self, *args, **kwargs)
 
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(OneScaleModel, "advance", interrupted)
     study = quick(friction__coefficient=0.6, friction__calibrate="end")
     with pytest.raises(KeyboardInterrupt):
-        warpwear.run(study, out=tmp_path / "deep" / "out", plots=False)
+        warpwear.run(study, out=tmp_path / "deep" / "out", plots=False, callback=interrupted)
     with Result.open(tmp_path / "deep" / "out") as result:
         assert not result.finished
         assert np.isnan(result.history["cof"]).all()  # τ0 waits for the end of the test

@@ -10,7 +10,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.runs import loop
+from warpwear.runs import loop, order
 from warpwear.runs.checkpoint import FILE_NAME
 from warpwear.surfaces.made.fourier import sum_waves
 from warpwear.surfaces.made.self_affine import SelfAffine
@@ -151,7 +151,7 @@ def test_heights_of_another_processor(
     if same:
         warpwear.run(study, out=alone, plots=False).close()
     heights = SelfAffine.heights
-    monkeypatch.setattr("warpwear.runs.order._LAST", [])  # the surface is made anew, as in another process
+    order._LAST.clear()  # the surface is made anew, as in another process
     monkeypatch.setattr(SelfAffine, "heights", lambda *given: heights(*given) + off)
     if not same:
         with pytest.raises(InputError, match="the disc's heights are not what they were"):

@@ -20,12 +20,6 @@ BOND: dict[str, Any] = {"name": "bond_1", "thickness": "0.5 um", "wear": "4e-4 m
 BARE = {"friction.shear_strength": "172 MPa"}
 
 
-@pytest.fixture(autouse=True)
-def _followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    ways = [("swept", "local"), ("swept", "half-space"), ("stationary", "local"), ("patches", "local")]
-    monkeypatch.setattr(rules_track, "FOLLOWED", (*ways, ("stationary", "half-space")))
-
-
 def layered(changes: dict[str, Any] | None = None, *layers: dict[str, Any], preset: str = "track") -> Study:
     """A preset with layers on its disc."""
     return Study.load(preset).replace({"disc.layers": [*(layers or (COAT, BOND))]} | (changes or {}))

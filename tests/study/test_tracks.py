@@ -1,5 +1,6 @@
 """Studies of a ball that slides: what is refused, warned of and does not apply."""
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -72,9 +73,9 @@ def test_a_bad_track_is_one_sentence(changes: dict[str, Any], message: str) -> N
     assert "\n" not in str(caught.value)
 
 
-def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_track_that_memory_does_not_hold(host_with: Callable[[float], None]) -> None:
     study = Study.load("v3-fine").replace({"sliding.kinematics": "swept"})
-    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 10**9})
+    host_with(10**9)
     with pytest.raises(
         InputError, match=r"31500 × 1500 cells, which need 1\.5 GiB .* sliding\.track = '3\.2 mm'"
     ):

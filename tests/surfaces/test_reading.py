@@ -280,7 +280,7 @@ def test_a_format_is_tested_and_on_the_page(format):
 def test_no_ending_stands_for_two_formats():
     endings = [ending for format in formats.FORMATS for ending in format.endings]
     assert len(endings) == len(set(endings))
-    assert formats.FORMATS[-1].fits(formats.Source(Path("anything"))), "the last one reads what is left"
+    assert formats.FORMATS[-1].fits(formats.SurfaceFile(Path("anything"))), "the last one reads what is left"
 
 
 def test_a_format_is_added_in_one_place(tmp_path, monkeypatch):

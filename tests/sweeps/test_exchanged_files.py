@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -151,17 +152,12 @@ def test_the_same_file_elsewhere_is_the_same_run(way: str, path: Path, tmp_path:
 
 
 def test_an_exchange_while_the_steps_are_made(
-    way: str, path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    way: str, path: Path, tmp_path: Path, watch: Callable[..., None]
 ) -> None:
     """What was read is what the run is of, and is recorded."""
-    plan, make_steps = planned(study_of(way, path)), StepLoop._make_steps
+    plan = planned(study_of(way, path))
     (right,) = make_runs(plan, tmp_path / "right", Here())
-
-    def exchanged(self: StepLoop, *arguments: Any) -> None:
-        write(way, path, 2)
-        make_steps(self, *arguments)
-
-    monkeypatch.setattr(StepLoop, "_make_steps", exchanged)
+    watch(StepLoop, "_make_steps", lambda *_: write(way, path, 2))
     (row,) = make_runs(plan, tmp_path / "s", Here())
     assert (row.status, row.ends) == ("done", right.ends)
     with Result.open(tmp_path / "s" / RUNS / plan.points[0].run) as result:
@@ -186,7 +182,7 @@ def test_a_file_changed_and_changed_back_while_it_is_read(
         else:
             shutil.copy(source, path)
 
-    def exchanged(source: formats.Source) -> formats.Raw:
+    def exchanged(source: formats.SurfaceFile) -> formats.Raw:
         put(other)
         raw = read_raw(source)
         put(one)
@@ -248,17 +244,13 @@ def test_a_finished_run_is_not_resumed_on_another_file(way: str, path: Path, tmp
 
 
 def test_a_whole_run_that_cannot_be_understood_is_left_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, failing: Callable[[str, Exception], None]
 ) -> None:
     """As that of another version may be, in a folder that several share."""
     plan = planned(small())
     make_runs(plan, tmp_path, Here())
     stored = contents(tmp_path)
-
-    def refused(_: Any) -> Result:
-        raise InputError("this version knows no such key")
-
-    monkeypatch.setattr(Result, "open", refused)
+    failing("warpwear.Result.open", InputError("this version knows no such key"))
     for row in make_runs(plan, tmp_path, Here()):
         assert row.status == "failed: this version knows no such key."
     assert contents(tmp_path) == stored

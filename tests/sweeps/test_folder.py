@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ import warpwear
 from warpwear import InputError
 from warpwear.batches import cluster
 from warpwear.batches.batch import RUNS, estimate, local_executor, make_runs
+from warpwear.batches.cluster import Patience
 from warpwear.batches.plan import Plan, section_of
 from warpwear.engine.workers import Here, WorkerDiedError
 from warpwear.results import manifest
@@ -87,11 +89,10 @@ def test_a_foreign_figure_is_kept_under_another_name(out: Path) -> None:
     assert b"mine" in {path.read_bytes() for path in (out / "figures").glob(f"{figure.stem}-*.png")}
 
 
-def test_a_full_disk_is_said_of_the_folder_that_was_given(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: Any) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("warpwear.page.folder._write", full)
+def test_a_full_disk_is_said_of_the_folder_that_was_given(
+    out: Path, failing: Callable[[str, Exception], None]
+) -> None:
+    failing("warpwear.page.folder._write", OSError(28, "No space left on device"))
     with pytest.raises(
         InputError, match="could not be written: No space left on device; the runs are kept"
     ) as error:
@@ -120,13 +121,10 @@ def test_a_folder_that_another_sweep_writes_is_refused(out: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_written_is_refused_at_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, failing: Callable[[str, Exception], None]
 ) -> None:
-    def refused(*_: Any, **__: Any) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr("warpwear.results.folder.tempfile.TemporaryFile", refused)
-    monkeypatch.setattr("warpwear.batches.batch.run_one", None)  # no run is begun
+    failing("warpwear.results.folder.tempfile.TemporaryFile", PermissionError(13, "Permission denied"))
+    failing("warpwear.batches.batch.run_one", AssertionError("a run was begun"))
     with pytest.raises(InputError, match="cannot be written: Permission denied"):
         sweep(tmp_path / "s")
     assert not (tmp_path / "s").exists()
@@ -187,32 +185,28 @@ def test_runs_that_a_cluster_takes_with_it_are_told(tmp_path: Path) -> None:
     assert row.status == "failed: it was cancelled, as runs are whose cluster is gone"
 
 
-def test_a_cluster_without_workers_is_not_waited_for_in_silence(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_without_workers_is_not_waited_for_in_silence() -> None:
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "PATIENCE", 0.2)
     with (
         distributed.LocalCluster(
             n_workers=0, processes=False, dashboard_address=None, protocol="tcp"
         ) as here,
         pytest.warns(UserWarning, match=r"has no workers yet: waiting 0\.2 s for the first"),
         pytest.raises(InputError, match=r"has no workers: start some"),
-        cluster.connected(here.scheduler_address, insecure=True),
+        cluster.connected(here.scheduler_address, insecure=True, patience=Patience(first=0.2)),
     ):
         pass
 
 
-def test_a_cluster_that_loses_all_its_workers_is_given_up(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_cluster_that_loses_all_its_workers_is_given_up(tmp_path: Path) -> None:
     """It is told of, what waits fails, and so does what is begun after that."""
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster, "LOOK", 0.1)
-    monkeypatch.setattr(cluster, "LOST", 1.0)
+    patience = Patience(look=0.1, lost=1.0)
     options: dict[str, Any] = {"dashboard_address": None, "protocol": "tcp", "threads_per_worker": 1}
     plan = Plan(small(), section_of({"vary": VARY}, {}))
     with (
         distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
-        cluster.connected(here.scheduler_address, insecure=True) as (executor, *_),
+        cluster.connected(here.scheduler_address, patience=patience) as (executor, *_),
     ):
         here.scale(0)
         with pytest.warns(UserWarning, match=r"has lost all its workers: waiting 1 s for one to come back"):

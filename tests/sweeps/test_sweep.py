@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -78,11 +79,8 @@ def test_band_lies_around_its_mean(swept: Any) -> None:
     assert np.all((low <= mean * (1.0 + 1e-12)) & (mean <= high * (1.0 + 1e-12)))
 
 
-def test_finished_runs_are_not_made_again(swept: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    def not_again(*_: Any, **__: Any) -> None:
-        raise AssertionError("a finished run was made again")
-
-    monkeypatch.setattr("warpwear.runs.run.StepLoop", not_again)
+def test_finished_runs_are_not_made_again(swept: Any, failing: Callable[[str, Exception], None]) -> None:
+    failing("warpwear.runs.run.StepLoop", AssertionError("a finished run was made again"))
     again = make_runs(swept.plan, swept.folder, Here())
     assert [row.ends for row in again] == [row.ends for row in swept.rows]
 
@@ -150,11 +148,11 @@ def test_sweep_from_a_script_without_a_guard(swept: Any, tmp_path: Path) -> None
             assert table[name] == values[:2]
 
 
-def test_sweeps_share_their_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sweeps_share_their_runs(tmp_path: Path, failing: Callable[[str, Exception], None]) -> None:
     plan, store = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {})), tmp_path / "store"
     share_runs(tmp_path / "one", store)
     first = make_runs(plan, tmp_path / "one", Here(), threads=1)
-    monkeypatch.setattr("warpwear.runs.run.StepLoop", None)  # nothing is computed again
+    failing("warpwear.runs.run.StepLoop", AssertionError("a run was computed again"))
     share_runs(tmp_path / "two", store)
     share_runs(tmp_path / "two", store)  # as with --resume
     assert make_runs(plan, tmp_path / "two", Here(), threads=1)[0].ends == first[0].ends

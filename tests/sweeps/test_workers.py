@@ -59,11 +59,7 @@ def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
     assert all(path.stat().st_mtime_ns == when for path, when in times.items())
 
 
-def test_run_that_takes_far_longer_than_the_others_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("warpwear.batches.batch.LOOK", 0.01)
-    monkeypatch.setattr("warpwear.batches.batch.SILENCE", 0.2)
+def test_run_that_takes_far_longer_than_the_others_is_told(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": {"contact.load": ["4 N", "8 N"]}}, {}))
     hanging = threading.Event()
 
@@ -84,7 +80,7 @@ def test_run_that_takes_far_longer_than_the_others_is_told(
         told.append(sentence)
         hanging.set()
 
-    rows = make_runs(plan, tmp_path, Hangs(), on_warning=warned)
+    rows = make_runs(plan, tmp_path, Hangs(), on_warning=warned, silence=0.2)
     assert [row.status for row in rows] == ["done"] * 2
     assert len(told) == 1
     assert told[0].startswith("run 1 has taken ")

@@ -159,9 +159,15 @@ def flat_on_flat(**changes: str) -> Study:
     )
 
 
-def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Volumes stay K F L, a flat sinks by the closed form and ends deeper by a constant."""
+@pytest.fixture
+def curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc whose bearing curve is known."""
     monkeypatch.setattr("warpwear.runs.arrangements.bearing_curve_of", lambda study: CURVE)
+
+
+@pytest.mark.usefixtures("curve")
+def test_a_rough_disc_recedes_by_its_bearing_curve(device: str) -> None:
+    """Volumes stay K F L, a flat sinks by the closed form and ends deeper by a constant."""
     result = run(flat_on_flat(), device=device, plots=False)
     history = result.history
     assert any("share of the cells that bears" in warning for warning in result.record["warnings"])
@@ -176,8 +182,8 @@ def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pyt
     assert depth[-1] - mean[-1] == pytest.approx(constant, rel=1e-3)
 
 
-def test_the_gap_after_a_step_is_the_closed_form(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.runs.arrangements.bearing_curve_of", lambda study: CURVE)
+@pytest.mark.usefixtures("curve")
+def test_the_gap_after_a_step_is_the_closed_form(device: str) -> None:
     result = run(flat_on_flat(), device=device, plots=False)
     end = result.snapshot(-1)
     assert_allclose(end.gap, closed_form(end.wear_disc), rtol=1e-12)
@@ -213,9 +219,9 @@ def test_where_the_bearing_curve_does_not_apply(changes: dict[str, str], message
         flat_on_flat().replace(changes)
 
 
-def test_the_area_is_the_share_that_bears(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("curve")
+def test_the_area_is_the_share_that_bears(device: str) -> None:
     """φ at the depth before each step, over a square millimetre of cells in contact."""
-    monkeypatch.setattr("warpwear.runs.arrangements.bearing_curve_of", lambda study: CURVE)
     history = run(flat_on_flat(), device=device, plots=False).history
     before = closed_form(np.append(0.0, 1e-6 * F * history["distance"][:-1]))
     share = 1.0 / (1.0 + np.exp(-(before - CURVE.middle) / CURVE.scale))

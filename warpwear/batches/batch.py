@@ -13,7 +13,7 @@ from typing import Any, Literal
 from warpwear.batches.cluster import connected
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import task_of
-from warpwear.batches.run_one import Row, Task, is_there, run_one
+from warpwear.batches.run_one import Row, RunTask, is_there, run_one
 from warpwear.engine.device import find_device, gpu_count, usable_cores
 from warpwear.engine.workers import WorkerDiedError, local_workers
 from warpwear.errors import InputError, explained
@@ -70,12 +70,13 @@ def make_runs(
     threads: int | None = None,
     on_row: Callable[[int, Row], object] = lambda number, row: None,
     on_warning: Callable[[str], object] = lambda sentence: None,
+    silence: float = SILENCE,
 ) -> list[Row]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
 
     on_row: is called with the number and row of each run that is done. on_warning: is called once with a
-    sentence about a run that takes far longer than all that are done. On an interrupt what is not begun is
-    left, and KeyboardInterrupt raised.
+    sentence about a run that takes far longer than all that are done, and than silence [s]. On an interrupt
+    what is not begun is left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
     numbers: dict[str, list[int]] = defaultdict(list)
@@ -97,10 +98,10 @@ def make_runs(
             for future in waiting:
                 if future.running():
                     begun.setdefault(future, time.monotonic())
-            done = wait(waiting, timeout=LOOK, return_when=FIRST_COMPLETED).done
+            done = wait(waiting, timeout=min(LOOK, silence), return_when=FIRST_COMPLETED).done
             for future in begun.keys() & (waiting.keys() - done - late) if longest else ():
                 took = time.monotonic() - begun[future]
-                if took > max(SILENCE, MANY * longest):
+                if took > max(silence, MANY * longest):
                     late.add(future)
                     point = plan.points[waiting[future][0]]
                     on_warning(
@@ -120,7 +121,7 @@ def make_runs(
     return [rows[number] for number in range(len(plan.points))]
 
 
-def _submitted(executor: Executor, task: Task) -> "Future[Row]":
+def _submitted(executor: Executor, task: RunTask) -> "Future[Row]":
     """Return the future of a run; an executor that takes none any more has it fail."""
     try:
         return executor.submit(run_one, task)

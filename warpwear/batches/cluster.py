@@ -8,6 +8,7 @@ from asyncio import CancelledError
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -19,15 +20,23 @@ distributed = lazy.module("distributed")
 
 #: How often a run is begun again whose worker was lost.
 RETRIES = 5
-#: How long the first worker is waited for [s].
-PATIENCE = 60.0
-#: How often it is looked whether a cluster still has workers, and how long it may have none [s].
-LOOK, LOST = 5.0, 300.0
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long the first worker is waited for, how often it is looked whether any is left, and for how long.
+
+    All in s.
+    """
+
+    first: float = 60.0
+    look: float = 5.0
+    lost: float = 300.0
 
 
 @contextmanager
 def connected(
-    address: str, *, insecure: bool = False, device: str = "cpu"
+    address: str, *, insecure: bool = False, device: str = "cpu", patience: Patience = Patience()
 ) -> Iterator[tuple[Executor, int, int]]:
     """Return the executor of a Dask scheduler, the threads of a run, and how many workers it has.
 
@@ -44,21 +53,22 @@ def connected(
         raise InputError(f"--cluster {address} cannot be reached: {error}.") from error
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # rows tell of a cluster that dies
     with client:
-        number = _check_workers(client, address)
+        number = _check_workers(client, address, patience.first)
         more = {"resources": {"GPU": 1}} if device.startswith("cuda") else {}
         # Not pure: the same run in two sweeps is two calls. Stealing would begin runs twice.
         executor, ended = client.get_executor(pure=False, retries=RETRIES, **more), threading.Event()
-        threading.Thread(target=_watch, args=(client, executor, address, ended), daemon=True).start()
+        watched = (client, executor, address, ended, patience)
+        threading.Thread(target=_watch, args=watched, daemon=True).start()
         try:
             yield executor, 1, number
         finally:
             ended.set()
 
 
-def _watch(client: Any, executor: Executor, address: str, ended: threading.Event) -> None:
+def _watch(client: Any, executor: Executor, address: str, ended: threading.Event, patience: Patience) -> None:
     """Tell of a cluster that has lost all its workers, and give up its runs where none comes back."""
     since: float | None = None
-    while not ended.wait(LOOK):
+    while not ended.wait(patience.look):
         try:
             alive = bool(client.nthreads())
         except (Exception, CancelledError):  # the sweep has ended, or the scheduler
@@ -67,8 +77,9 @@ def _watch(client: Any, executor: Executor, address: str, ended: threading.Event
             since = None
         elif since is None:
             since = time.monotonic()
-            warn(f"--cluster {address} has lost all its workers: waiting {LOST:g} s for one to come back.")
-        elif time.monotonic() - since > LOST:
+            lost = f"{patience.lost:g} s"
+            warn(f"--cluster {address} has lost all its workers: waiting {lost} for one to come back.")
+        elif time.monotonic() - since > patience.lost:
             executor.shutdown(wait=False)  # cancels what is left
             return
 
@@ -98,12 +109,12 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _check_workers(client: Any, address: str) -> int:
+def _check_workers(client: Any, address: str, patience: float) -> int:
     """Return the number of workers. Raises InputError where one would make two runs at a time."""
     if not client.nthreads():
-        warn(f"--cluster {address} has no workers yet: waiting {PATIENCE:g} s for the first.")
+        warn(f"--cluster {address} has no workers yet: waiting {patience:g} s for the first.")
         try:
-            client.wait_for_workers(1, timeout=PATIENCE)
+            client.wait_for_workers(1, timeout=patience)
         except TimeoutError as error:
             raise InputError(
                 f"--cluster {address} has no workers: start some with dask worker {address} --nthreads 1."

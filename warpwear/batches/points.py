@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.batches.run_one import Task
+from warpwear.batches.run_one import RunTask
 from warpwear.errors import InputError
 from warpwear.results.ensemble import name_of
 from warpwear.study.study import Study
@@ -53,10 +53,10 @@ def _point(
     return Point(number, values, varied, name_of(varied, device=device, files=files), files=files)
 
 
-def task_of(point: Point, runs: Path, *, device: str, threads: int | None = None) -> Task:
+def task_of(point: Point, runs: Path, *, device: str, threads: int | None = None) -> RunTask:
     """Return what a worker is asked for a run. runs: the folder of all of them."""
     assert point.study is not None
-    return Task(point.study.to_toml(), str((runs / point.run).resolve()), device, threads, point.files)
+    return RunTask(point.study.to_toml(), str((runs / point.run).resolve()), device, threads, point.files)
 
 
 def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:

@@ -33,7 +33,7 @@ POINTS = 500
 
 
 @dataclass(frozen=True)
-class Task:
+class RunTask:
     """What a worker is asked for: the study as text, its folder, where to compute it, and on which files.
 
     files: SHA-256 of each file that the study uses, by the key that names it.
@@ -57,7 +57,7 @@ class Row:
     was_there: bool = False  # the run was finished before it was asked for
 
 
-def run_one(task: Task) -> Row:
+def run_one(task: RunTask) -> Row:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
     start, folder = time.perf_counter(), Path(task.folder)
     try:
@@ -75,7 +75,7 @@ def run_one(task: Task) -> Row:
         return Row(f"failed: {why}", time.perf_counter() - start)
 
 
-def _found(task: Task, study: Study) -> Row | None:
+def _found(task: RunTask, study: Study) -> Row | None:
     """Read the finished run that is asked for by what it carries itself; None where the folder holds none.
 
     Raises OSError or InputError for a whole one that cannot be read here and now: others may.
@@ -108,7 +108,7 @@ def _is_whole(path: Path) -> bool:
     return False
 
 
-def _made(task: Task, study: Study) -> Row:
+def _made(task: RunTask, study: Study) -> Row:
     """Make a run or go on with it, in the place of one that is damaged or not what its folder is called."""
     folder = Path(task.folder)
     resume = holds_checkpoint(folder) or not is_there(folder)

@@ -17,7 +17,7 @@ from warpwear.study import loading
 from warpwear.study.keys import Length, Section, declarations, key
 from warpwear.study.study import Study
 from warpwear.study.text import read_section
-from warpwear.study.units import LONGEST_TEXT, NOT_NEGATIVE, POSITIVE, Number, Quantity, Range, is_pair, parse
+from warpwear.study.units import LONGEST_TEXT, NOT_NEGATIVE, POSITIVE, InUnit, Number, Range, is_pair, parse
 
 #: A value with its standard uncertainty: 0.018 +- 0.001 mm^3, 0.81 mm +- 10 um.
 _WRITTEN = re.compile(
@@ -58,7 +58,7 @@ class WithError:
 
     def _number(self, value: Any, allowed: Range) -> float:
         if self.unit:
-            return float(Quantity(self.unit, allowed).read(value))
+            return float(InUnit(self.unit, allowed).read(value))
         try:
             return Number(allowed).read(float(value) if isinstance(value, str) else value)
         except ValueError as error:

@@ -43,14 +43,20 @@ class Workers(ThreadPoolExecutor):
     """Processes that make calls, one each at a time; one that dies is started again and its call with it.
 
     environments: of each worker what differs from this process's. retries: how often a call is made again.
-    quiet: whether what workers say on standard error is left unseen.
+    quiet: whether what workers say on standard error is left unseen. command: what Python runs as a worker.
     """
 
     def __init__(
-        self, environments: Sequence[Mapping[str, str]], *, retries: int = RETRIES, quiet: bool = False
+        self,
+        environments: Sequence[Mapping[str, str]],
+        *,
+        retries: int = RETRIES,
+        quiet: bool = False,
+        command: Sequence[str] = COMMAND,
     ) -> None:
         super().__init__(max_workers=len(environments), thread_name_prefix="worker")
         self._free, self._retries, self._quiet = list(environments), retries, quiet
+        self._command = command
         self._lock = threading.Lock()
         self._own = threading.local()
         self._processes: list[subprocess.Popen[bytes]] = []
@@ -93,10 +99,23 @@ class Workers(ThreadPoolExecutor):
                     self._own.environment = self._free.pop()
                 else:
                     self._processes.remove(process)
-                process = _started(self._own.environment, quiet=self._quiet)
+                process = self._started()
                 self._processes.append(process)
             self._own.process = process
         return process
+
+    def _started(self) -> "subprocess.Popen[bytes]":
+        """Return a worker process that imports this very package, wherever this process found it."""
+        home = str(Path(__file__).parents[2])
+        path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
+        return subprocess.Popen(
+            [sys.executable, *self._command],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL if self._quiet else None,
+            env={**os.environ, "PYTHONPATH": path, **self._own.environment},
+            start_new_session=True,  # Ctrl-C reaches this process alone, which ends them in order
+        )
 
     def __exit__(self, kind: type[BaseException] | None, *error: Any) -> None:
         """End the workers, at once on Ctrl-C."""
@@ -120,20 +139,6 @@ class Workers(ThreadPoolExecutor):
             for process in self._processes:
                 with suppress(OSError), process:  # closes its pipes, and waits
                     pass
-
-
-def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Popen[bytes]":
-    """Return a worker process that imports this very package, wherever this process found it."""
-    home = str(Path(__file__).parents[2])
-    path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return subprocess.Popen(
-        [sys.executable, *COMMAND],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL if quiet else None,
-        env={**os.environ, "PYTHONPATH": path, **environment},
-        start_new_session=True,  # Ctrl-C reaches this process alone, which ends them in order
-    )
 
 
 def local_workers(number: int, *, cores: int, gpus: Sequence[str] = ()) -> Workers:

@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear import lazy
-from warpwear.engine.workers import Workers
+from warpwear.engine.workers import COMMAND, Workers
 from warpwear.figures.describe import Axis, Chart, Figure, Line
 
 painter, style = lazy.module("warpwear.figures.paint"), lazy.module("warpwear.figures.style")
@@ -23,21 +23,23 @@ painter, style = lazy.module("warpwear.figures.paint"), lazy.module("warpwear.fi
 WARM_UP = Figure([Chart("", Axis("x", "log"), Axis("y"), [Line(np.array([1.0, 10.0]), np.zeros(2), "x")])])
 #: Figures of what is computed last.
 LATE = ("roughness",)
-#: Longest time that pictures are waited for [s].
-PATIENCE = 60.0
 #: What the other process has drawn, by the figure's name.
 DRAWN: dict[str, bytes] = {}
 
 
 class Painter:
-    """Asks a second process for pictures, where there is more than one core for both."""
+    """Asks a second process for pictures, where there is more than one core for both.
 
-    def __init__(self, cores: int) -> None:
+    command: what Python runs there. patience: longest time that pictures are waited for [s].
+    """
+
+    def __init__(self, cores: int, *, command: Sequence[str] = COMMAND, patience: float = 60.0) -> None:
+        self._patience = patience
         self._pictures: dict[str, Future[bytes]] = {}
         self._worker: Workers | None = None
         if cores >= 2 and sys.executable and not getattr(sys, "frozen", False):
             environment = {"MPLBACKEND": "agg", "OPENBLAS_NUM_THREADS": "1"}
-            self._worker = Workers([environment], retries=0, quiet=True)
+            self._worker = Workers([environment], retries=0, quiet=True, command=command)
             self._worker.submit(draw, "", WARM_UP)
 
     def __enter__(self) -> Self:
@@ -72,7 +74,7 @@ class Painter:
 
     def pictures(self) -> dict[str, bytes]:
         """Wait for the pictures; return the PNG files that there are by the figure's name, and the page."""
-        pictures, end = {}, time.monotonic() + PATIENCE
+        pictures, end = {}, time.monotonic() + self._patience
         for name, future in self._pictures.items():
             with suppress(Exception):  # the other process has gone, or takes too long
                 pictures[name] = future.result(max(end - time.monotonic(), 0.0))

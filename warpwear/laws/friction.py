@@ -31,7 +31,7 @@ LARGEST = "largest_coefficient"
 
 
 @dataclass(frozen=True)
-class Factor:
+class StrengthFactor:
     """A factor makes of τ0 the shear strength of bare contact at a step; without its keys it is 1.
 
     of: history and the numbers of the keys -> factor of every step. columns: of the history, that it reads.
@@ -54,7 +54,7 @@ def _decay(history: Mapping[str, FloatArray], length: Any) -> FloatArray:
     return np.asarray(decay_integral(distance - increment, increment, length) / increment)
 
 
-RUNNING_IN = Factor(
+RUNNING_IN = StrengthFactor(
     keys=("initial_ratio", "running_in"),
     of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * _decay(history, length),
     formula=r"\left(1 + (r - 1) e^{-L/L_\tau}\right)",
@@ -101,7 +101,7 @@ class FrictionLaw(Scales):
         return str(self.values["area"])
 
     @property
-    def factors(self) -> tuple[Factor, ...]:
+    def factors(self) -> tuple[StrengthFactor, ...]:
         """Return the factors whose keys have values."""
         return tuple(f for f in FACTORS if all(self.values[key] is not None for key in f.keys))
 

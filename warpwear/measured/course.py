@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.motion import Motion, doubts, moving, sliding_distance
 from warpwear.measured.record import PLAIN
-from warpwear.measured.rows import Paths, Rows, read_rows
+from warpwear.measured.rows import Paths, RecordRows, read_rows
 from warpwear.measured.tribometer import alternates, averaged, from_forces, one_sign
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
@@ -46,7 +46,7 @@ def read_experiment(path: Paths, *, columns: str | None = None, **motion: Any) -
     return experiment_of(read_rows(path, columns), Motion(**motion))
 
 
-def experiment_of(rows: Rows, motion: Motion) -> Experiment:
+def experiment_of(rows: RecordRows, motion: Motion) -> Experiment:
     """Return the course of friction in the rows of a record, see `read_experiment`. Raises InputError."""
     path, notes, steps = rows.path, [], rows.steps
     warnings = [*rows.warnings, *doubts(rows, motion.radius)]
@@ -88,7 +88,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     return replace(course, notes=(*left_out, *notes), warnings=(*many, *warnings, *course.warnings))
 
 
-def _signed(rows: Rows) -> bool:
+def _signed(rows: RecordRows) -> bool:
     """Return whether coefficients are better taken from forces: they or the forces beside them alternate."""
     if not {"cof", "friction force"} <= rows.table.keys():
         return False

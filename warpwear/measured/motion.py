@@ -7,7 +7,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.rows import Rows
+from warpwear.measured.rows import RecordRows
 
 #: A speed below this share of the largest is rest.
 REST = 0.01
@@ -34,7 +34,7 @@ class Motion:
     radius: float | Sequence[float] | None = None
 
 
-def moving(rows: Rows) -> tuple[Rows, list[str]]:
+def moving(rows: RecordRows) -> tuple[RecordRows, list[str]]:
     """Return the rows in which something slides, and a note on the others; all where no speed tells."""
     speed = next((np.abs(rows.table[role]) for role in ("speed", "rpm") if role in rows.table), None)
     if speed is None or not np.isfinite(speed).any():
@@ -47,7 +47,7 @@ def moving(rows: Rows) -> tuple[Rows, list[str]]:
     return replace(rows, table=table, step=rows.step[~rest]), [note]
 
 
-def sliding_distance(rows: Rows, motion: Motion, *, what: str) -> tuple[FloatArray, str, str]:
+def sliding_distance(rows: RecordRows, motion: Motion, *, what: str) -> tuple[FloatArray, str, str]:
     """Return the distance slid [mm], shape (rows,), the role of the column it is from, and how it was made.
 
     It is NaN in rows with a gap in what it is made of, and goes on behind them as if they were not there.
@@ -108,7 +108,7 @@ def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[Float
     return _over_gaps(np.maximum.accumulate, distance), note
 
 
-def doubts(rows: Rows, radius: float | Sequence[float] | None) -> tuple[str, ...]:
+def doubts(rows: RecordRows, radius: float | Sequence[float] | None) -> tuple[str, ...]:
     """Say where the distance of a record is not the one by its laps."""
     track = _radius(rows, radius)
     if track is None or not {"distance", "laps"} <= rows.table.keys():
@@ -122,7 +122,7 @@ def doubts(rows: Rows, radius: float | Sequence[float] | None) -> tuple[str, ...
     )
 
 
-def _radius(rows: Rows, radius: float | Sequence[float] | None) -> FloatArray | None:
+def _radius(rows: RecordRows, radius: float | Sequence[float] | None) -> FloatArray | None:
     """Return the radius of the track of each row [mm], shape (rows,), given or measured, or None."""
     if radius is None:
         return rows.table.get("radius")
@@ -136,7 +136,7 @@ def _radius(rows: Rows, radius: float | Sequence[float] | None) -> FloatArray | 
     return tracks[rows.step] if tracks.size > 1 else np.full(rows.step.size, tracks[0])
 
 
-def _by_laps(laps: FloatArray, track: FloatArray, rows: Rows) -> tuple[FloatArray, str, str]:
+def _by_laps(laps: FloatArray, track: FloatArray, rows: RecordRows) -> tuple[FloatArray, str, str]:
     """Return the distance by laps [mm], counted from the first row where many went before."""
     first = float(np.append(laps[np.isfinite(laps + track)], 0.0)[0])
     before = first if first > BEFORE else 0.0

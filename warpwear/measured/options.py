@@ -5,7 +5,7 @@ from numbers import Real
 from typing import Any
 
 from warpwear.errors import InputError
-from warpwear.study.units import POSITIVE, Quantity, Range, is_pair
+from warpwear.study.units import POSITIVE, InUnit, Range, is_pair
 
 #: A coefficient of friction.
 COF = Range(most=3.0)
@@ -23,7 +23,7 @@ def with_unit(value: Any, unit: str) -> Any:
 def quantity(option: str, value: Any, unit: str, *, allowed: Range = POSITIVE) -> float:
     """Turn an option's text, or number in a unit, into that number. Raises InputError."""
     try:
-        read = Quantity(unit, allowed, hardness=option == "--hardness").read
+        read = InUnit(unit, allowed, hardness=option == "--hardness").read
         return float(read(with_unit(value, unit)))
     except ValueError as error:
         raise InputError(f"{option} = {value!r}: {error}") from error

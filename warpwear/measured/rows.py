@@ -26,7 +26,7 @@ OTHER_RATIO = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class RecordRows:
     """A record has rows of quantities, in steps one after another.
 
     table: role -> values [mm, s, N, turns a minute, 1], shape (rows,), NaN where missing. step: of each row,
@@ -42,7 +42,7 @@ class Rows:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
-    def of_step(self, number: int) -> "Rows":
+    def of_step(self, number: int) -> "RecordRows":
         """Return the rows of one step, by its number from 0."""
         inside = self.step == number
         table = {role: values[inside] for role, values in self.table.items()}
@@ -71,7 +71,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() and part.isascii() else (-1, part) for part in parts]
 
 
-def read_rows(paths: Paths, columns: str | None = None) -> Rows:
+def read_rows(paths: Paths, columns: str | None = None) -> RecordRows:
     """Read the rows of a record, whatever machine wrote it.
 
     paths: a file, a folder, or files that follow each other. columns: which to take, see
@@ -96,14 +96,14 @@ def read_rows(paths: Paths, columns: str | None = None) -> Rows:
     notes += tuple(dict.fromkeys(note for part in parts for note in part.notes))
     warnings = tuple(dict.fromkeys(warning for part in parts for warning in part.warnings))
     at = files[0].parent if all(path.parent == files[0].parent for path in files) else files[0]
-    return _continued(Rows(at, first.format, table, first.chosen, step, names, notes, warnings))
+    return _continued(RecordRows(at, first.format, table, first.chosen, step, names, notes, warnings))
 
 
-def _listed(rows: Rows) -> str:
+def _listed(rows: RecordRows) -> str:
     return ", ".join(rows.table)
 
 
-def _rows_of(path: Path, columns: str | None) -> Rows:
+def _rows_of(path: Path, columns: str | None) -> RecordRows:
     """Read the rows of one file. Raises InputError."""
     record = read_record(path)
     chosen = choose(record, columns)
@@ -114,7 +114,7 @@ def _rows_of(path: Path, columns: str | None) -> Rows:
     table = {role: np.where(known, column, np.nan) for role, column in table.items()}
     if "load" in table and "normal force" not in table:  # what was set, where nothing was measured
         table["normal force"], chosen["normal force"] = table.pop("load"), chosen.pop("load")
-    rows = Rows(path, record.format.name, table, chosen, step, names, record.notes)
+    rows = RecordRows(path, record.format.name, table, chosen, step, names, record.notes)
     return _continued(replace(rows, warnings=_contradictions(rows)))
 
 
@@ -143,7 +143,7 @@ def _steps(record: Record, numbered: Column | None) -> tuple[Indices, tuple[str,
     return np.cumsum(step), tuple(labels[start] for start in starts), known
 
 
-def _continued(rows: Rows) -> Rows:
+def _continued(rows: RecordRows) -> RecordRows:
     """Let what a machine counts from zero in each step go on from the end of the step before."""
     table, notes = dict(rows.table), list(rows.notes)
     for role in COUNTED:
@@ -164,7 +164,7 @@ def _continued(rows: Rows) -> Rows:
     return replace(rows, table=table, notes=tuple(dict.fromkeys(notes)))
 
 
-def _contradictions(rows: Rows) -> tuple[str, ...]:
+def _contradictions(rows: RecordRows) -> tuple[str, ...]:
     """Say where a column of coefficients is not the ratio of the forces beside it."""
     if not {"cof", "friction force", "normal force"} <= rows.table.keys():
         return ()

@@ -11,7 +11,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.rows import Indices, Mask, Rows
+from warpwear.measured.rows import Indices, Mask, RecordRows
 
 #: Share of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
 END_CUT = 0.1
@@ -162,7 +162,7 @@ def _with_lost(turns: Indices, known: Mask) -> Indices:
     return np.rint(np.append(np.concatenate(parts), turns[-1])).astype(np.intp)
 
 
-def alternates(rows: Rows) -> bool:
+def alternates(rows: RecordRows) -> bool:
     """Return whether the friction force of a record changes its sign from step to step."""
     return "friction force" in rows.table and _alternating(rows.table["friction force"], rows.step)
 

@@ -3,6 +3,7 @@
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """
 
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple, dataclass, replace
 from functools import partial
@@ -186,12 +187,12 @@ def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArr
         return slid, unworn[-1] * np.append(1.0, values / unworn)
 
 
-def growth_of_view(result: ResultFile) -> str | None:
+def growth_of_view(table: Mapping[str, FloatArray]) -> str | None:
     """Say why the way to an equilibrium has no length, where the inner scar grows while it is looked at.
 
     The disc's Sq before any wear, in the same cells, then changes, and so does what the ball takes on.
+    table: of a `SurfaceEvolution`.
     """
-    table = surface_evolution(result).table
     unworn = table["sq_disc_unworn"][(table["distance"] > 0.0) & np.isfinite(table["sq_disc_unworn"])]
     if not unworn.size or np.ptp(unworn) <= VIEW * unworn[-1]:
         return None

@@ -295,7 +295,7 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     sq, sdq, rq = (last.get(f"{name}_{body}") for name in ("sq", "sdq", "rq"))
     unworn, fit = last.get("sq_disc_unworn") if body == "disc" else 0.0, settling(result, body)
     numbers: dict[str, Any] = {"sq_um": sq, "sdq": sdq, "rq_along_um": rq, "sq_unworn_um": unworn}
-    grown = growth_of_view(result)
+    grown = growth_of_view(table)
     if isinstance(fit, str):
         numbers |= {"settling": None, "not_settling": fit}
     else:

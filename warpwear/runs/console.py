@@ -16,9 +16,9 @@ from warpwear.errors import StudyWarning
 from warpwear.history.distances import with_unit
 from warpwear.history.verdict import rank_of
 
-#: Longest and shortest silence of a run that writes plain lines [s].
+#: Longest silence of what writes plain lines, and shortest and longest of a run [s].
 EVERY_SECONDS = 30.0
-SILENT_SECONDS = 2.0
+PACE = 2.0, EVERY_SECONDS
 #: Notes that a run writes; all of them are on its page, in its summary and in its log.
 MOST_NOTES = 3
 
@@ -27,11 +27,15 @@ class Progress:
     """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere.
 
     name: of the study, with which lines begin. As a context it tells at its end what misleads, the heaviest
-    first; with all_notes all of it, else three sentences, and how many are left.
+    first; with all_notes all of it, else three sentences, and how many are left. pace: the shortest and the
+    longest time between plain lines [s].
     """
 
-    def __init__(self, name: str, *, quiet: bool = False, all_notes: bool = False) -> None:
+    def __init__(
+        self, name: str, *, quiet: bool = False, all_notes: bool = False, pace: tuple[float, float] = PACE
+    ) -> None:
         self._name = name
+        self._shortest, self._longest = pace
         self._quiet = quiet
         self._notes: list[tuple[int, str]] = []
         self._left = sys.maxsize if all_notes else MOST_NOTES
@@ -68,7 +72,7 @@ class Progress:
                 )
             return
         silent = time.perf_counter() - self._last_line
-        if silent > (SILENT_SECONDS if self._done >= self._next * self._steps else EVERY_SECONDS):
+        if silent > (self._shortest if self._done >= self._next * self._steps else self._longest):
             self._last_line += silent
             elapsed = self._last_line - self._started
             left = elapsed / (self._done - self._before) * (self._steps - self._done)
@@ -83,7 +87,7 @@ class Progress:
         if name == "compile" and not self._compiles:
             self._compiles = True
             self.say(f"{self._name}: compiling kernels, which are kept for the next run")
-        if name == "draw" and time.perf_counter() - self._made > SILENT_SECONDS:
+        if name == "draw" and time.perf_counter() - self._made > self._shortest:
             self.say(f"{self._name}: drawing")
 
     def say(self, line: str) -> None:
@@ -120,7 +124,7 @@ class Progress:
 
     def _write_warnings(self) -> None:
         """Tell warnings of a run that takes long, which one may want to stop; the last is for its end."""
-        if self._notes and time.perf_counter() - self._started > SILENT_SECONDS:
+        if self._notes and time.perf_counter() - self._started > self._shortest:
             self._write_notes(self._left - 1, ranks=2)
 
     def end(self) -> None:

@@ -10,7 +10,7 @@ from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
 from warpwear.study.sections.layers import LAYERED, MOST_LAYERS, Gradient, LayerSection
-from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
+from warpwear.study.units import InUnit, Number, Range, is_pair, is_quantity, one_by_one
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
 NO_KIND = "does not apply to kind = '{}'"
@@ -29,7 +29,7 @@ periodic_key, like_key = partial(key, applies=PERIODIC), partial(key, applies=LI
 file_key = partial(key, applies="FROM_A_FILE")
 #: Constants of a body that its material has.
 CONSTANTS = ("young", "poisson", "hardness")
-Radius = Annotated[float, Quantity("mm", Range(infinite=True))]
+Radius = Annotated[float, InUnit("mm", Range(infinite=True))]
 
 
 class Body(Section):
@@ -274,7 +274,7 @@ class Synthetic(Section):
     fine_ra: LengthOrZero = milled_key(
         "0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra"
     )
-    lay: Annotated[float, Quantity("deg", Range(least=-180.0, or_equal=True, most=180.0))] = key(
+    lay: Annotated[float, InUnit("deg", Range(least=-180.0, or_equal=True, most=180.0))] = key(
         "90 deg", "angle between feed marks and sliding", applies=LAY, assumed="sliding across the marks"
     )
 

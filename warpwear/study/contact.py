@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.study.keys import Section, excludes, key, needs, needs_compliance, when
-from warpwear.study.units import Load, Quantity, Range
+from warpwear.study.units import InUnit, Load, Range
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
 BULK = when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model")
@@ -34,7 +34,7 @@ class Contact(Section):
     load: Annotated[float, Load("N")] = key(
         ..., "normal load; of a line contact also a load of its length, '18.5 N/mm', times grid.extent across"
     )
-    hardness: Annotated[float, Quantity("MPa", Range(infinite=True), hardness=True)] | None = key(
+    hardness: Annotated[float, InUnit("MPa", Range(infinite=True), hardness=True)] | None = key(
         None,
         "largest pressure of a cell, inf for no limit; by default the softer body's, in the macro model none",
         demands=needs_compliance(math.inf),
@@ -57,14 +57,14 @@ class Contact(Section):
         applies=when("contact.law", "half-space"),
         demands=excludes("study.model", "two-scale", of="line"),
     )
-    stiffness: Annotated[float, Quantity("N/mm^3", Range(infinite=True))] = key(
+    stiffness: Annotated[float, InUnit("N/mm^3", Range(infinite=True))] = key(
         "inf N/mm^3",
         "micro and two-scale model: local foundation stiffness k",
         assumed="asperities do not deform elastically",
         applies=ROUGH + LOCAL,
     )
     bulk_stiffness: Annotated[
-        float | Literal["area", "pressure", "approach"], Quantity("N/mm^3", words=tuple(MATCHES))
+        float | Literal["area", "pressure", "approach"], InUnit("N/mm^3", words=tuple(MATCHES))
     ] = key(
         "area",
         "macro model, bulk of the two-scale: stiffness K_N that gives Hertz's area, peak pressure or "

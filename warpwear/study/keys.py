@@ -18,12 +18,12 @@ from typing import Annotated, Any, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-from warpwear.study.units import EXAMPLES, NOT_NEGATIVE, Quantity
+from warpwear.study.units import EXAMPLES, NOT_NEGATIVE, InUnit
 
-Length = Annotated[float, Quantity("mm")]
-LengthOrZero = Annotated[float, Quantity("mm", NOT_NEGATIVE)]
-Pressure = Annotated[float, Quantity("MPa")]
-Hardness = Annotated[float, Quantity("MPa", hardness=True)]
+Length = Annotated[float, InUnit("mm")]
+LengthOrZero = Annotated[float, InUnit("mm", NOT_NEGATIVE)]
+Pressure = Annotated[float, InUnit("MPa")]
+Hardness = Annotated[float, InUnit("MPa", hardness=True)]
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def _example(name: str, field: FieldInfo | None) -> str:
     """Return the name of a key, followed by an example of it where it is a quantity."""
     kinds = get_args(field.annotation) if field else ()
     parts = chain.from_iterable(getattr(kind, "__metadata__", ()) for kind in kinds)
-    return next((f"{name}, {EXAMPLES[part.unit]}" for part in parts if isinstance(part, Quantity)), name)
+    return next((f"{name}, {EXAMPLES[part.unit]}" for part in parts if isinstance(part, InUnit)), name)
 
 
 def _one_of(values: Iterable[Any]) -> str:

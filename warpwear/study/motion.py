@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr
 from warpwear.laws.fretting import HONEST_MEAN
 from warpwear.laws.track import is_whole
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
-from warpwear.study.units import NOT_NEGATIVE, Load, Number, Quantity, Range, is_pair, one_by_one
+from warpwear.study.units import NOT_NEGATIVE, InUnit, Load, Number, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
 LARGEST_PARTS = 800
@@ -69,7 +69,7 @@ growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 
 @dataclass(frozen=True)
-class Sides(Quantity):
+class Sides(InUnit):
     """Annotates the sides of a domain: a quantity, or a list of two, along sliding and across it."""
 
     def read(self, value: Any) -> Any:
@@ -147,12 +147,12 @@ class Sliding(Section):
     cycles: Strokes | None = total_key(
         None, "instead of distance: number of pairs of strokes", demands=STROKE
     )
-    duration: Annotated[float, Quantity("s")] | None = total_key(
+    duration: Annotated[float, InUnit("s")] | None = total_key(
         None,
         "instead of distance, with frequency: time of the test",
         demands=needs("sliding.frequency", why=" or '60 rpm'"),
     )
-    frequency: Annotated[float, Quantity("Hz")] | None = key(
+    frequency: Annotated[float, InUnit("Hz")] | None = key(
         None,
         "cycles (pairs of strokes), or with a track_radius revolutions, in a second: '60 rpm' is 1 Hz",
         demands=needs("sliding.lap", what="sliding.stroke or, of a rotation, sliding.track_radius"),
@@ -169,7 +169,7 @@ class Sliding(Section):
         applies=ON_A_CIRCLE,
         one_of="lap",
     )
-    speed: Annotated[float, Quantity("mm/s")] | None = key(
+    speed: Annotated[float, InUnit("mm/s")] | None = key(
         None, "sliding speed, for the time axis only; by default the mean of the frequency"
     )
     kinematics: Literal["stationary", "swept", "fretting"] | None = key(
@@ -202,7 +202,7 @@ class Sliding(Section):
         + excludes("contact.boundary", "line", of="body", why=", whose displacement has no absolute value")
         + excludes("sliding.positions", "cells", of="body"),
     )
-    force: Annotated[float, Quantity("N")] | None = key(
+    force: Annotated[float, InUnit("N")] | None = key(
         None,
         "instead of stroke: amplitude of a tangential force that turns, below the coefficient times the load",
         one_of="lap",
@@ -211,14 +211,14 @@ class Sliding(Section):
         + needs("pair.effective_modulus", what="the elastic constants of both bodies")
         + needs("counter.has_hertz", what="a ball, a crowned body or a cylinder"),
     )
-    rig_compliance: Annotated[float, Quantity("mm/N", NOT_NEGATIVE)] = key(
+    rig_compliance: Annotated[float, InUnit("mm/N", NOT_NEGATIVE)] = key(
         "0 mm/N",
         "fretting: what the rig yields beside the bodies; of a stroke_of = 'body' it is taken off",
         applies=MEANS,
     )
     #: Stroke that a force gives unworn bodies [mm].
     _travel: float | None = PrivateAttr(None)
-    track: Annotated[float | Literal["full"], Quantity("mm", words=("full",))] = key(
+    track: Annotated[float | Literal["full"], InUnit("mm", words=("full",))] = key(
         "full",
         "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
         applies=SWEPT,
@@ -297,15 +297,15 @@ class BlockSection(Section):
     track_radius: Length | None = key(
         None, "instead of stroke: radius of the track on a rotating disc; another one is unworn at first"
     )
-    speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
-    frequency: Annotated[float, Quantity("Hz")] | None = key(
+    speed: Annotated[float, InUnit("mm/s")] | None = key(None, "sliding speed, for the time axis only")
+    frequency: Annotated[float, InUnit("Hz")] | None = key(
         None, "cycles, or with a track_radius revolutions, in a second"
     )
     distance: Length | None = key(None, "sliding distance of the block; or one of the next four")
     passes: Count | None = key(None, "number of strokes")
     cycles: Count | None = key(None, "number of pairs of strokes")
     revolutions: Annotated[float, Number()] | None = key(None, "revolutions of a rotating disc")
-    duration: Annotated[float, Quantity("s")] | None = key(None, "with a frequency: time of the block")
+    duration: Annotated[float, InUnit("s")] | None = key(None, "with a frequency: time of the block")
 
     def over(self, sliding: Sliding) -> Sliding:
         """Return [sliding] as it is in the block: what this says replaces all that said the same."""
@@ -336,7 +336,7 @@ class Stepping(Section):
         "fretting has none",
         assumed="a tenth of a usual stroke, small beside the distance",
     )
-    load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
+    load_tolerance: Annotated[float | Literal["one cell"], InUnit("N", words=("one cell",))] = key(
         "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
     )
     jump: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] | Literal["auto"] = key(

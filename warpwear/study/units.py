@@ -225,7 +225,7 @@ NOT_NEGATIVE = Range(or_equal=True)
 
 
 @dataclass(frozen=True)
-class Quantity:
+class InUnit:
     """Annotates a field: a quantity in the study, a float in `unit` here; or one of `words`."""
 
     unit: str
@@ -270,7 +270,7 @@ class LineLoad(float):
 
 
 @dataclass(frozen=True)
-class Load(Quantity):
+class Load(InUnit):
     """Annotates a load: a force, or a force of a length, which is times a length known later."""
 
     def read(self, value: Any) -> Any:
@@ -283,7 +283,7 @@ class Load(Quantity):
             if "dimension" not in str(refused):
                 raise
             try:
-                return LineLoad(float(Quantity("N/mm").read(value)))
+                return LineLoad(float(InUnit("N/mm").read(value)))
             except ValueError as error:
                 either = ValueError(f"{refused}, or of a line contact one of its length, '18.5 N/mm'")
                 raise (either if "dimension" in str(error) else error) from None

@@ -9,7 +9,7 @@ from warpwear.batches.run_one import Row
 from warpwear.calibration.bayes.data import Data, MeasuredCourse
 from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.likelihood import Posterior
-from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.model import ForwardModel
 from warpwear.calibration.bayes.result import Inference
 from warpwear.calibration.bayes.runs import Runs
 from warpwear.calibration.bayes.sampler import Samples
@@ -50,7 +50,7 @@ def posterior_of(
 ) -> Posterior:
     """The posterior of the smooth study in closed form, without a run."""
     unknowns = list(unknowns_of(study, unknown))
-    model = Model(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"scar"}))
+    model = ForwardModel(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"scar"}))
     return Posterior(model, tuple(noise_for(data, unknown)), data, closed_form=closed_form)
 
 
@@ -68,14 +68,14 @@ def found_for(posterior: Posterior) -> tuple[dict[str, np.ndarray], np.ndarray]:
 def weighed(posterior: Posterior) -> Samples:
     """Draws of the prior by their likelihood."""
     random = np.random.default_rng(0)
-    z = random.standard_normal((200_000 if posterior.sampled else 4000, len(posterior.sampled)))
+    z = random.standard_normal((80_000 if posterior.sampled else 4000, len(posterior.sampled)))
     logs = posterior.log_likelihood(z)
     weights = np.exp(logs - logs.max())
     return Samples(z[random.choice(len(z), 4000, p=weights / weights.sum())], 0, 1.0, 1.0, 4000.0)
 
 
 def simulate(
-    model: Model, values: dict[str, FloatArray], like: Data, random: np.random.Generator
+    model: ForwardModel, values: dict[str, FloatArray], like: Data, random: np.random.Generator
 ) -> tuple[FloatArray, list[FloatArray]]:
     """Draw what a test would measure: coefficients (samples, points), and (samples,) a value of `like`."""
     samples = len(next(iter(values.values())))

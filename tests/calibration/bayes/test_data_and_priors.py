@@ -8,7 +8,7 @@ import pytest
 from cases_inference import course_like, posterior_of, smooth_study
 
 from warpwear import InputError
-from warpwear.calibration.bayes.data import Data, Measured, data_of
+from warpwear.calibration.bayes.data import Data, MeasuredValue, data_of
 from warpwear.calibration.bayes.infer import check_priors
 from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.measured.experiment import Experiment
@@ -65,7 +65,7 @@ def test_priors_have_their_quantiles() -> None:
 
 
 def test_priors_that_exclude_the_data_are_refused() -> None:
-    data = Data(values=(Measured("volume_counter", 0.18, 0.01),))
+    data = Data(values=(MeasuredValue("volume_counter", 0.18, 0.01),))
     posterior = posterior_of(smooth_study(), {"wear.counter": "uniform 8e-4 .. 1e-3 mm^3/N/m"}, data)
     with pytest.raises(
         InputError,

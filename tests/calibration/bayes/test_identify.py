@@ -9,7 +9,7 @@ from cases_inference import course_like, drawn, found_for, posterior_of, result_
 
 from warpwear import Study
 from warpwear.batches.plan import read_plan
-from warpwear.calibration.bayes.data import Data, Measured, MeasuredCourse
+from warpwear.calibration.bayes.data import Data, MeasuredCourse, MeasuredValue
 from warpwear.calibration.bayes.identify import identify
 from warpwear.calibration.bayes.report import write_report
 
@@ -18,7 +18,7 @@ def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
     """At rest a scar follows from K_s + K_d alone: the program says so, and a volume resolves it."""
     study = smooth_study()
     asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
-    data = Data(values=(Measured("scar", 1.26, 0.02),))
+    data = Data(values=(MeasuredValue("scar", 1.26, 0.02),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
     found = identify(posterior, values, z)
@@ -30,7 +30,7 @@ def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
     assert total.mean() == pytest.approx(2.21e-3 * (1.26 / 1.269) ** 4, abs=total.std())
     assert total.std() / total.mean() == pytest.approx(4.0 * np.hypot(0.02, 0.02 / 6**0.5) / 1.26, rel=0.15)
     with_volume = posterior_of(
-        study, asked, replace(data, values=(*data.values, Measured("volume_disc", 0.0244, 0.001)))
+        study, asked, replace(data, values=(*data.values, MeasuredValue("volume_disc", 0.0244, 0.001)))
     )
     values, z = found_for(with_volume)
     assert not identify(with_volume, values, z).indistinct
@@ -40,14 +40,14 @@ def test_strength_and_area_are_not_told_apart_by_one_coefficient() -> None:
     """Friction at the end is τ0 times the level of the area, here √(K_s + K_d)."""
     study = smooth_study(**{"wear.disc": "0 mm^3/N/m"})
     asked: dict[str, str | None] = {"friction.shear_strength": None, "wear.counter": None}
-    data = Data(points=(Measured("friction", 0.4, 0.02, study.sliding.total),))
+    data = Data(points=(MeasuredValue("friction", 0.4, 0.02, study.sliding.total),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
     (group,) = identify(posterior, values, z).indistinct
     assert set(group.keys) == set(asked)
     assert group.known.startswith("the product friction.shear_strength · wear.counter^0.5")
     assert "A scar or a worn volume" in str(group)
-    with_scar = posterior_of(study, asked, replace(data, values=(Measured("scar", 1.0, 0.02),)))
+    with_scar = posterior_of(study, asked, replace(data, values=(MeasuredValue("scar", 1.0, 0.02),)))
     assert not identify(with_scar, *found_for(with_scar)).indistinct
 
 
@@ -56,7 +56,7 @@ def test_an_unknown_of_which_data_say_nothing_is_named() -> None:
     posterior = posterior_of(
         study,
         {"wear.counter": None, "friction.shear_strength": None},
-        Data(values=(Measured("volume_counter", 0.018, 0.001),)),
+        Data(values=(MeasuredValue("volume_counter", 0.018, 0.001),)),
     )
     found = identify(posterior, *found_for(posterior))
     assert found.untouched == ("friction.shear_strength",)
@@ -65,7 +65,7 @@ def test_an_unknown_of_which_data_say_nothing_is_named() -> None:
 
 def test_data_that_a_study_cannot_bring_together_are_named() -> None:
     """The disc's volume asks for a scar of 1.1 mm at rest, and 0.80 mm was measured."""
-    data = Data(values=(Measured("scar", 0.80, 0.02), Measured("volume_disc", 0.0244, 0.001)))
+    data = Data(values=(MeasuredValue("scar", 0.80, 0.02), MeasuredValue("volume_disc", 0.0244, 0.001)))
     asked: dict[str, str | None] = {
         "wear.counter": "log-uniform 1e-5 .. 9e-4 mm^3/N/m",
         "wear.disc": "log-uniform 1e-4 .. 3e-3 mm^3/N/m",
@@ -142,7 +142,7 @@ def test_a_course_that_the_study_meets_is_calibrated(tmp_path: Path) -> None:
 def test_what_one_test_tells_is_of_this_test() -> None:
     """One volume tells K of its own test; of two the scatter between tests is in the uncertainty."""
     wear: dict[str, str | None] = {"wear.disc": None}
-    volumes = (Measured("volume_disc", 0.0244, 0.0005), Measured("volume_disc", 0.0248, 0.0005))
+    volumes = (MeasuredValue("volume_disc", 0.0244, 0.0005), MeasuredValue("volume_disc", 0.0248, 0.0005))
     for count in (1, 2):
         inference = result_of(posterior_of(smooth_study(), wear, Data(values=volumes[:count])))
         inference = replace(inference, repeats={"wear.disc": 0})
@@ -152,7 +152,7 @@ def test_what_one_test_tells_is_of_this_test() -> None:
 
 def test_a_prior_that_holds_an_unknown_back_is_named() -> None:
     """A lower end with a prior that goes on below it, and a normal prior far from what the volume tells."""
-    data = Data(values=(Measured("volume_disc", 0.0244, 0.0005),))  # K = 1.27e-3
+    data = Data(values=(MeasuredValue("volume_disc", 0.0244, 0.0005),))  # K = 1.27e-3
     for prior, sentence in (
         ("log-uniform 1.26e-3 .. 5e-3 mm^3/N/m", "'wear.disc=log-uniform 0.000252 .. 0.005 mm^3/N/m'"),
         ("uniform 1e-4 .. 1.28e-3 mm^3/N/m", "'wear.disc=uniform 0.0001 .. 0.00246 mm^3/N/m'"),

@@ -14,7 +14,7 @@ from warpwear.batches.run_one import Row
 from warpwear.calibration.bayes.data import Data
 from warpwear.calibration.bayes.emulator import Emulator
 from warpwear.calibration.bayes.likelihood import Posterior
-from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.model import ForwardModel
 from warpwear.calibration.bayes.runs import Runs, scales
 from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.laws.archard import WearLaw
@@ -44,7 +44,7 @@ def test_areas_of_whole_cells_carry_their_scatter() -> None:
     assert np.sqrt(np.mean(off**2)) < 0.7 * np.sqrt(np.mean(raw**2))
     assert scatter[late].mean() == pytest.approx(np.sqrt(np.mean(raw**2)), rel=0.25)
     asked: dict[str, str | None] = {"friction.shear_strength": "normal 3 +- 0.3 MPa"}
-    made = Model(study, tuple(unknowns_of(study, asked)), runs)
+    made = ForwardModel(study, tuple(unknowns_of(study, asked)), runs)
     assert not Posterior(made, (), Data()).linear  # the strength decides how uncertain friction is
 
 
@@ -181,7 +181,7 @@ def test_an_emulator_that_is_off_is_refused() -> None:
     )
     runs = Runs(study, tuple(asked), random.standard_normal((16, 1)), rows, True)
     with pytest.raises(InputError, match="the emulator of the area is off by"):
-        Model(study, tuple(asked), runs)
+        ForwardModel(study, tuple(asked), runs)
 
 
 def test_what_a_surface_adds_to_two_courses_is_shared() -> None:

@@ -1,6 +1,7 @@
 """What an inference leads to: the next test, how many repeats, and a calibrated study."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +10,12 @@ from cases_inference import NORMAL, exact, found_for, posterior_of, result_of, s
 
 import warpwear
 from warpwear import InputError
+from warpwear.batches import batch
 from warpwear.batches.plan import read_plan
-from warpwear.batches.run_one import Row, Task
-from warpwear.batches.run_one import run_one as once
-from warpwear.calibration.bayes import sampler
-from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.calibration.bayes import infer as inferring
+from warpwear.calibration.bayes.data import Data, MeasuredValue
 from warpwear.calibration.bayes.next_test import Candidate, best_tests, repeats_needed
 from warpwear.calibration.bayes.report import calibrated
-from warpwear.calibration.bayes.sampler import Samples
 
 
 def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
@@ -38,7 +37,7 @@ def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
 def test_repeats_that_reach_ten_percent() -> None:
     """A volume known to 30 % needs nine tests in all; a wear coefficient that none tells is never reached."""
     study = smooth_study()
-    data = Data(values=(Measured("volume_counter", 0.018, 0.0054),))
+    data = Data(values=(MeasuredValue("volume_counter", 0.018, 0.0054),))
     wide = {"wear.counter": "uniform 0 .. 5e-3 mm^3/N/m", "wear.disc": None}
     posterior = posterior_of(study, wide, data)
     values, _ = found_for(posterior)
@@ -49,11 +48,13 @@ def test_repeats_that_reach_ten_percent() -> None:
 def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
     """Unknowns that go together are drawn together, others by distributions."""
     study = smooth_study()
-    volumes = Data(values=(Measured("volume_counter", 0.018, 0.0005), Measured("volume_disc", 0.024, 0.0005)))
+    volumes = Data(
+        values=(MeasuredValue("volume_counter", 0.018, 0.0005), MeasuredValue("volume_disc", 0.024, 0.0005))
+    )
     asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
     for data, design, runs in (
         (volumes, "sobol", 64),
-        (Data(values=(Measured("scar", 1.26, 0.02),)), "zip", 64),
+        (Data(values=(MeasuredValue("scar", 1.26, 0.02),)), "zip", 64),
     ):
         path = tmp_path / f"{design}.toml"
         path.write_text(calibrated(result_of(posterior_of(study, asked, data))), encoding="utf-8")
@@ -85,23 +86,15 @@ def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path
         assert "(grid.extent 1." in test.label
 
 
-def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tests_are_tried_before_anything_is_sampled(
+    tmp_path: Path, watch: Callable[..., None], failing: Callable[[str, Exception], None]
+) -> None:
     """A test that equals the study is the study's own; one that cannot be made ends before samples; and
     samples are written before anything else may fail."""
-    sampled = []
-
-    def sample(*args: object, **options: int) -> Samples:
-        sampled.append(1)
-        return sampler.sample(*args, **options)  # type: ignore[arg-type]
-
-    monkeypatch.setattr("warpwear.calibration.bayes.infer.sample", sample)
+    sampled: list[object] = []
     calls: list[str] = []
-
-    def run_one(task: Task) -> Row:
-        calls.append(task.folder)
-        return once(task)
-
-    monkeypatch.setattr("warpwear.batches.batch.run_one", run_one)
+    watch(inferring, "sample", lambda *given, **_: sampled.append(given))
+    watch(batch, "run_one", lambda task: calls.append(task.folder))
 
     def infer(candidate: str, target: str = "wear.counter") -> warpwear.Inference:
         return warpwear.infer(
@@ -129,7 +122,7 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
     assert "3 tests" in str(inference)  # what the ranks do not say: what each costs
     assert len({*calls}) == 1  # no run but that of the study
     assert same.repeats == 3
-    monkeypatch.setattr("warpwear.calibration.bayes.infer.best_tests", lambda *args: 1 / 0)
+    failing("warpwear.calibration.bayes.infer.best_tests", ZeroDivisionError())
     with pytest.raises(ZeroDivisionError):
         infer("contact.load=4 N")
     assert (tmp_path / "contact.load=4 N" / "posterior.csv").is_file()

@@ -1,5 +1,6 @@
 """Wrong data, courses, unknowns and sections end in one sentence."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -156,11 +157,11 @@ def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
     )
 
 
-def test_priors_beyond_the_explicit_limit_are_refused_before_any_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_priors_beyond_the_explicit_limit_are_refused_before_any_run(
+    failing: Callable[[str, Exception], None],
+) -> None:
     """The limit goes with the wear coefficients, so that the prior says it."""
-    monkeypatch.setattr(
-        "warpwear.calibration.bayes.runs.make_all", lambda *_, **__: pytest.fail("a run was made")
-    )
+    failing("warpwear.calibration.bayes.runs.make_all", AssertionError("a run was made"))
     priors = {"wear.counter": "log-uniform 1e-4 .. 5e-2 mm^3/N/m"}
     with pytest.raises(InputError, match=r"of 16 runs .* explicit .*None was made; .*scheme = 'implicit'"):
         warpwear.infer("v1", unknown=priors, tests=[{"scar": "1.3 +- 0.1 mm"}])

@@ -1,6 +1,7 @@
 """What materials are compared with: of a stress, of a cycle, and what is refused."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -175,11 +176,13 @@ def test_a_sheared_contact_brings_its_traction() -> None:
 
 
 def test_memory_is_told_and_refused(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch,
+    host_with: Callable[[float], None],
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(memory, "SAID", 1.0)
     below()
     assert "stresses: 2 depths below a pressure of shape (12, 11) need up to" in capsys.readouterr().err
-    monkeypatch.setattr(memory, "free_memory", lambda device: {"the host": 1000})
+    host_with(1000)
     with pytest.raises(InputError, match=r"2 depths .* need 0\.0 GiB of memory; the host has"):
         below()

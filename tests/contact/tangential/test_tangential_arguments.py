@@ -1,6 +1,7 @@
 """What solve_tangential cannot do is said in a sentence with the field, its value and what is allowed."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,6 @@ import pytest
 from cases_tangential import FRICTION, LOAD, MODULUS, POISSON, YOUNG, ball
 
 from warpwear import InputError, solve_contact, solve_tangential
-from warpwear.contact.array import memory, tangential
 
 FLAT = np.zeros((16, 16))
 #: Sentence -> arguments, solutions among them by what makes them: files are read by who does not run them.
@@ -58,9 +58,8 @@ def test_bad_arguments_are_refused_in_a_sentence(sentence: str) -> None:
         solve_tangential(**arguments)
 
 
-def test_memory_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (memory, tangential):
-        monkeypatch.setattr(module, "free_memory", lambda device: {"the host": 2**20})
+def test_memory_that_is_not_there_is_told(host_with: Callable[[float], None]) -> None:
+    host_with(2**20)
     with pytest.raises(
         InputError, match=r"64 × 64 cells need 0\.0 GiB of memory; the host has 0\.0 GiB free"
     ):

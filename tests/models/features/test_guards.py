@@ -48,7 +48,9 @@ for _hook in HOOKS:
 LAW = FeatureLaw()
 
 
-def registered(monkeypatch: pytest.MonkeyPatch, kind: Any, law: FeatureLaw = LAW) -> list[Any]:
+def registered(
+    monkeypatch: pytest.MonkeyPatch, kind: Any, law: FeatureLaw = LAW, key: str = "wear.disc"
+) -> list[Any]:
     """Let every contact have a feature by the name of a key, which is made of its site; return those made."""
     made: list[Any] = []
 
@@ -56,8 +58,8 @@ def registered(monkeypatch: pytest.MonkeyPatch, kind: Any, law: FeatureLaw = LAW
         made.append(kind(site))
         return made[-1]
 
-    monkeypatch.setattr(Wear, "features", property(lambda _: {"wear.disc": law}), raising=False)
-    monkeypatch.setitem(Feature.REGISTERED, "wear.disc", make)
+    monkeypatch.setattr(Wear, "features", property(lambda _: {key: law}), raising=False)
+    monkeypatch.setitem(Feature.REGISTERED, key, make)
     return made
 
 
@@ -117,7 +119,8 @@ def test_columns_that_are_not_declared(law: str, monkeypatch: pytest.MonkeyPatch
     attach(monkeypatch, Forgets)
     with pytest.raises(TypeError, match=r"^debris writes more columns of the history than it declares$"):
         rows_of(law, "cpu")
-    monkeypatch.setattr(Forgets, "columns", ())
+    monkeypatch.undo()
+    attach(monkeypatch, type("Forgets", (Forgets,), {"columns": ()}))
     with pytest.raises(TypeError, match=r"^Forgets declares no columns of the history$"):
         rows_of(law, "cpu")
 
@@ -233,5 +236,5 @@ def test_laws_of_sections_have_a_feature_and_a_balance(monkeypatch: pytest.Monke
     del Feature.REGISTERED["wear.disc"]
     with pytest.raises(TypeError, match=r"^no feature is called wear.disc$"):
         warpwear.run(small("full"))
-    monkeypatch.setattr(Wear, "features", property(lambda _: {"wear.dust_fraction": Pile()}))
+    registered(monkeypatch, lambda _: Feature(), Pile(), "wear.dust_fraction")
     assert small("full", wear__dust_fraction=0.1).contact_task.features == {}  # it applies to particles alone

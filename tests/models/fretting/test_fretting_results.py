@@ -18,7 +18,8 @@ from warpwear.figures.of_run.table import FIGURES
 from warpwear.laws.fretting import loop, regime_of
 from warpwear.page.limits import limits_of
 from warpwear.results.summary import summarise, summary_text
-from warpwear.runs import console
+from warpwear.runs.console import Progress
+from warpwear.runs.run import RunOptions, run_study
 
 NAMES = {name for name, entry in FIGURES.items() if entry.section == "fretting"}
 RUNS: dict[str, dict[str, Any]] = {
@@ -126,11 +127,9 @@ def test_an_inference_knows_that_friction_decides_what_sticks() -> None:
 
 
 def test_a_run_counts_its_steps_and_not_the_cycles_that_they_stand_for(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(console, "SILENT_SECONDS", -1.0)
-    monkeypatch.setattr(console, "EVERY_SECONDS", -1.0)
-    with warpwear.run(sheared(32), progress=True) as result:
+    with run_study(sheared(32), RunOptions(progress=Progress("fretting", pace=(-1.0, -1.0)))) as result:
         count = result.history["distance"].size
     told = re.findall(r"step (\d+) of (\d+)", capsys.readouterr().err)
     assert told == [(str(number), str(count)) for number in range(1, count + 1)]

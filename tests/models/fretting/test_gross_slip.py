@@ -24,12 +24,16 @@ def device(device: str) -> str:
     return device
 
 
-@pytest.mark.parametrize("window", [4, 5])
-def test_jumps_against_a_dense_operator(
-    window: int, device: str, threads: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Three jumps of S + ΔL (K_counter + K_disc B²) on what was worn before, disc worn by the mean."""
+@pytest.fixture
+def solved_tightly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Contacts as near to the solution as a dense one."""
     monkeypatch.setattr(half_space, "WindowedHalfSpace", partial(WindowedHalfSpace, tolerance=1e-10))
+
+
+@pytest.mark.usefixtures("solved_tightly")
+@pytest.mark.parametrize("window", [4, 5])
+def test_jumps_against_a_dense_operator(window: int, device: str, threads: int) -> None:
+    """Three jumps of S + ΔL (K_counter + K_disc B²) on what was worn before, disc worn by the mean."""
     cell = 0.012
     study = study_of(
         grid__cell=f"{cell} mm",
@@ -140,9 +144,9 @@ def test_a_line_contact() -> None:
     assert np.isnan(history["displacement"]).all()  # a line is displaced by no number
 
 
-def test_layers_wear_by_the_pressure_and_its_mean(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("solved_tightly")
+def test_layers_wear_by_the_pressure_and_its_mean(device: str) -> None:
     """By S + ΔL (K_counter of cells + K_disc of the fastest met B²); ∫ p dL wears through layers."""
-    monkeypatch.setattr(half_space, "WindowedHalfSpace", partial(WindowedHalfSpace, tolerance=1e-10))
     cell, stops = 0.012, [f"0.{n} m" for n in range(1, 7)]
     layer = {"name": "coat", "thickness": "0.1 um", "wear": "3e-7 mm^3/N/m"}
     study = study_of(

@@ -52,11 +52,11 @@ def test_flat_on_flat_wears_by_the_closed_form(
     profiles: Profiles, law: dict[str, Any], patches: Patches, device: str, threads: int
 ) -> None:
     """Every cell bears F/A; Σ V_m / K_m = F L of each body, of what patches stand for."""
-    load, count = 8.0, 400
+    load, count, increment = 8.0, 100, 12000.0
     with Executor(patches.grid, device=device, threads=threads) as executor:
         model = model_of(task_of(profiles, load=load, **law), executor, np.zeros(DOMAIN.shape), patches)
-        steps, fields = stepped(model, [3000.0] * count)
-    row, total = steps[-1].row, load * 3000.0 * count
+        steps, fields = stepped(model, [increment] * count)
+    row, total = steps[-1].row, load * increment * count
     for body, profile in zip(("counter", "disc"), profiles, strict=True):
         depth = getattr(fields, f"wear_{body}")
         expected = float(profile.worn(np.zeros(1), np.array([total / DOMAIN.area]))[0])

@@ -55,13 +55,13 @@ def test_flat_on_flat_wears_by_the_closed_form(
     profiles: Profiles, law: type[Contact], moves: bool, device: str, threads: int
 ) -> None:
     """Every cell bears F/A; Σ V_m / K_m = F L of each body."""
-    grid, load, count = Grid(24, 20, 0.01), 20.0, 400
+    grid, load, count, increment = Grid(24, 20, 0.01), 20.0, 100, 12000.0
     more = HALF_SPACE | {"boundary": "periodic"} if law is SlidingHalfSpace else {}
     with Executor(grid, device=device, threads=threads) as executor:
         task = task_of(profiles, load=load, **more)
         contact = law(task, np.zeros(grid.shape), executor, moves=moves, periodic=moves)
-        row = slid(contact, [3 * n % grid.nx * moves for n in range(count)], [3000.0] * count).row
-        total = load * 3000.0 * count
+        row = slid(contact, [3 * n % grid.nx * moves for n in range(count)], [increment] * count).row
+        total = load * increment * count
         for body, profile in zip(("counter", "disc"), profiles, strict=True):
             depth = executor.to_numpy(getattr(contact.state, f"wear_{body}"))
             expected = float(profile.worn(np.zeros(1), np.array([total / grid.area]))[0])

@@ -1,6 +1,7 @@
 """Two-scale studies: what is kept of a run, and what is refused or told in one sentence."""
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -123,7 +124,7 @@ def test_a_contact_that_outgrows_the_macro_grid_stops_the_run() -> None:
         warpwear.run(quick(sliding__distance="100 mm").replace(some))
 
 
-def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_history_of_patches_that_memory_does_not_hold(host_with: Callable[[float], None]) -> None:
     """Two tables of steps × patches, and both again for a checkpoint; beside six fields of their cells."""
     study = Study.load("two-scale").replace({"patches.macro_cell": "2 um"})
     cells = study.patch_layout.grid.cells
@@ -132,11 +133,10 @@ def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.Monk
         r"patches\.macro_cell = 2 µm makes 562500 patches, .* 1099 steps, which need .* a larger "
         r"patches\.macro_cell"
     )
-    place = "warpwear.engine.executor.free_memory"
-    monkeypatch.setattr(place, lambda device: {"the host": tables + fields - 1})
+    host_with(tables + fields - 1)
     with pytest.raises(InputError, match=refused):
         warpwear.run(study)
-    monkeypatch.setattr(place, lambda device: {"the host": tables + fields})
+    host_with(tables + fields)
     order = RunOrder(study)
     with order.arrangement.executor(study, device="cpu", threads=1) as executor:
         assert executor.grid.cells == cells

@@ -1,6 +1,7 @@
 """The package as NumPy users hold it: steps one by one, and a callback that sees them."""
 
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -166,16 +167,10 @@ def test_a_callback_that_raises_stops_the_run_as_an_interrupt_does(
         warpwear.run(study, callback=watch)
 
 
-def test_a_snapshot_asked_for_on_the_way_is_the_models(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_snapshot_asked_for_on_the_way_is_the_models(watch: Callable[..., None]) -> None:
     """Fields are made when they are asked for, not at every step."""
     made: list[float] = []
-    snapshot = OneScaleModel.snapshot
-
-    def noted(self: OneScaleModel, step: Any, distance: float) -> Any:
-        made.append(distance)
-        return snapshot(self, step, distance)
-
-    monkeypatch.setattr(OneScaleModel, "snapshot", noted)
+    watch(OneScaleModel, "snapshot", lambda model, step, distance: made.append(distance))
     asked = [step.row["distance"] for step in warpwear.steps(study_of()) if step.index == 5 and step.fields]
     assert made == asked
 

@@ -15,7 +15,7 @@ from warpwear.models.patches.local import TwoScaleModel
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
-from warpwear.runs.checkpoint import FILE_NAME
+from warpwear.runs.checkpoint import FILE_NAME, Checkpoints
 
 ROOT = Path(__file__).parents[3]
 KILLS = ROOT / "bench" / "kills.py"
@@ -45,24 +45,29 @@ def short(**changes: Any) -> Study:
     return study_of("micro, implicit", math.inf).replace(SHORT | dotted)
 
 
-def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], None]) -> None:
-    """Let something happen in the step after so many, counted from here."""
+def at_step(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[Any], object]) -> list[int]:
+    """Let something happen to the model in the step after so many; return a list that grows by each."""
     calls: list[int] = []
-    monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    monkeypatch.setattr(TwoScaleModel, "in_blocks", False)
-    monkeypatch.setattr(SlidingContact, "in_blocks", False)
+    for model in (OneScaleModel, TwoScaleModel, SlidingContact):
+        monkeypatch.setattr(model, "in_blocks", False)  # a call is a step
 
-    def stopping(advance: Callable[..., Any]) -> Callable[..., Any]:
-        def stopped(*args: Any, **kwargs: Any) -> Any:
+    def disturbed(advance: Callable[..., Any]) -> Callable[..., Any]:
+        def step(model: Any, *args: Any, **kwargs: Any) -> Any:
             calls.append(1)
             if len(calls) == after + 1:
-                how()
-            return advance(*args, **kwargs)
+                how(model)
+            return advance(model, *args, **kwargs)
 
-        return stopped
+        return step
 
     for (model, name), advance in ADVANCE.items():
-        monkeypatch.setattr(model, name, stopping(advance))
+        monkeypatch.setattr(model, name, disturbed(advance))
+    return calls
+
+
+def stop(monkeypatch: pytest.MonkeyPatch, after: int, how: Callable[[], object]) -> None:
+    """Let something happen in the step after so many, counted from here."""
+    at_step(monkeypatch, after, lambda _: how())
 
 
 def killed() -> None:
@@ -70,10 +75,10 @@ def killed() -> None:
 
 
 def run_stopped(study: Study, out: Path, after: int, **options: Any) -> None:
-    """Leaves the checkpoint of so many steps, with one after each of them."""
-    study = study.replace({"run.checkpoint": "0 s"})
+    """Leaves the checkpoint of so many steps, with one after each of the last three; of jumps after all."""
     with pytest.MonkeyPatch.context() as patch:
-        stop(patch, after, killed)
+        calls = at_step(patch, after, lambda _: killed())
+        patch.setattr(Checkpoints, "due", property(lambda _: study.jumps or len(calls) > after - 3))
         with pytest.raises(SystemExit):
             warpwear.run(study, out=out, plots=False, **options)
     assert (out / FILE_NAME).is_file()
@@ -83,8 +88,8 @@ def soon_done(case: str) -> Study:
     """A case of the kills with few steps, without checkpoints."""
     study: Study = study_of(case, math.inf).replace({"output.snapshots": ["0.06 mm"]})
     if case == "programme, swept, stresses":
-        return study.replace({"sliding.shift": 4})
+        return study.replace({"sliding.shift": 8})
     if case.startswith("fretting"):
-        return study.replace({"sliding.cycles": 3_000})
+        return study.replace({"sliding.cycles": 100 if "gross" in case else 3_000})
     small_steps = case.startswith(("micro", "two-scale", "half-space", "stresses"))
     return study.replace({"sliding.distance": "0.2 mm" if small_steps else "3 mm"})

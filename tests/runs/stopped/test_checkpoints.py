@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -104,12 +105,10 @@ def test_a_file_of_that_name_that_is_none_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_costs_the_checkpoint_and_not_the_run(
-    alone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    alone: Path, tmp_path: Path, failing: Callable[[str, Exception], None]
 ) -> None:
-    def full(folder: Path, nbytes: int) -> None:
-        raise OSError(28, f"{nbytes / 2**20:.0f} MiB are needed, 0 MiB are free")
-
-    monkeypatch.setattr("warpwear.runs.checkpoint.require_free_space", full)
+    full = OSError(28, "2 MiB are needed, 0 MiB are free")
+    failing("warpwear.runs.checkpoint.require_free_space", full)
     with warpwear.run(short(run__checkpoint="0 s"), out=tmp_path / "out", plots=False) as result:
         told = [w for w in result.record["warnings"] if "checkpoint" in w]
         assert len(told) == 1

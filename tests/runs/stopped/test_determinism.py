@@ -1,6 +1,5 @@
 """The same study gives the same result, whatever the number of threads, and says what it was made with."""
 
-import os
 import platform
 from typing import Any
 
@@ -27,10 +26,8 @@ def numbers(study: Study, **options: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("device", "case"), TWICE, indirect=["device"])
-def test_twice_the_same(case: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_twice_the_same(case: str, device: str, cores: int) -> None:
     """On a CPU bit for bit, with one thread and two; on a GPU, which orders its sums itself, to 1e-10."""
-    monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 1)
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     one = numbers(soon_done(case), device=device, threads=1)
     two = numbers(soon_done(case), device=device, threads=min(2, cores))
     assert one.keys() == two.keys()

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
+from cases_stopped import killed, stop
 from fuzzing import check_sentence
 
 import warpwear
@@ -191,7 +192,7 @@ def test_a_folder_that_is_removed_while_it_runs(
     checkpoint: str, after: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out"
-    during(monkeypatch, OneScaleModel, "advance", lambda: shutil.rmtree(out), after)
+    stop(monkeypatch, after, lambda: shutil.rmtree(out))
     with pytest.raises(InputError, match="could not be written and holds no run: No such file") as error:
         warpwear.run(small(run__checkpoint=checkpoint), out=out, plots=False)
     check_sentence(error.value)
@@ -207,7 +208,7 @@ def test_a_second_process_in_the_same_folder(
         command = [sys.executable, "-m", "warpwear", "run", "v3", "--out", str(out), "--resume"]
         refused.append(subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False))
 
-    during(monkeypatch, OneScaleModel, "advance", second, 6)
+    stop(monkeypatch, 6, second)
     warpwear.run(small(), out=out, plots=False).close()
     assert refused[0].returncode == 2
     assert f"is in use by another run (process {os.getpid()} on " in refused[0].stderr
@@ -309,11 +310,9 @@ def test_memory_that_runs_out(sizes: list[int], tmp_path: Path) -> None:
     )
 
 
-def test_memory_of_a_gpu_that_runs_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: Any, **__: Any) -> Any:
-        raise RuntimeError("Failed to allocate 18000000 bytes on device 'cuda:0'")
-
-    monkeypatch.setattr("warpwear.engine.executor.Executor.zeros", full)
+def test_memory_of_a_gpu_that_runs_out(failing: Callable[[str, Exception], None]) -> None:
+    full = RuntimeError("Failed to allocate 18000000 bytes on device 'cuda:0'")
+    failing("warpwear.engine.executor.Executor.zeros", full)
     with pytest.raises(InputError, match=r"75 × 75 cells, for which the memory ran out; larger cells"):
         warpwear.run(small())
 
@@ -324,7 +323,7 @@ def test_no_file_of_the_run_is_mapped(tmp_path: Path, monkeypatch: pytest.Monkey
     if not maps.exists():
         pytest.skip("what is mapped is not told here")
     seen: list[str] = []
-    during(monkeypatch, OneScaleModel, "advance", lambda: seen.append(maps.read_text()), 6)
+    stop(monkeypatch, 6, lambda: seen.append(maps.read_text()))
     warpwear.run(small(), out=tmp_path / "out", plots=False)
     assert seen
     assert str(tmp_path) not in seen[0]
@@ -339,7 +338,7 @@ def test_the_log_of_killed_sessions_is_kept(tmp_path: Path) -> None:
 
     for after in (4, 2):
         with pytest.MonkeyPatch.context() as patch:
-            during(patch, OneScaleModel, "advance", killed, after)
+            stop(patch, after, killed)
             with pytest.raises(SystemExit):
                 warpwear.run(small(), out=out, plots=False, resume=True)
         (tmp_path / "left").rename(out / f".work-{after:012x}")
@@ -356,11 +355,8 @@ def test_the_log_of_killed_sessions_is_kept(tmp_path: Path) -> None:
 def test_a_changed_study_is_refused_before_the_surface_is_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stop() -> None:
-        raise SystemExit
-
     with pytest.MonkeyPatch.context() as patch:
-        during(patch, OneScaleModel, "advance", stop, 6)
+        stop(patch, 6, killed)
         with pytest.raises(SystemExit):
             warpwear.run(small(), out=tmp_path / "out", plots=False)
     during(monkeypatch, run_order, "surface_in", lambda: pytest.fail("the surface was made"))

@@ -2,13 +2,13 @@
 
 import os
 import signal
-import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import h5py
 import pytest
-from cases_stopped import KILLS, ROOT, differences, of_kills, short, stop
+from cases_stopped import ROOT, differences, of_kills, short, stop
 
 import warpwear
 from warpwear import Result
@@ -18,22 +18,21 @@ from warpwear.runs.checkpoint import FILE_NAME
 
 
 def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, watch: Callable[..., None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Within a block the state is ahead of the history."""
-    made, write_plan = [], OneScaleModel._write_plan
+    made: list[int] = []
 
-    def stopped(self: OneScaleModel, *args: Any) -> Any:
+    def stopped(*_: Any) -> None:
         made.append(1)
         if len(made) == 5:
             raise SystemExit
-        return write_plan(self, *args)
 
     monkeypatch.setattr(OneScaleModel, "longest_block", 10)
     one, other = tmp_path / "alone", tmp_path / "stopped"
     study = short().replace({"run.checkpoint": "1e-9 s"})  # 0 s would be after every step: no blocks
     warpwear.run(study, out=one, plots=False).close()
-    monkeypatch.setattr(OneScaleModel, "_write_plan", stopped)
+    watch(OneScaleModel, "_write_plan", stopped)
     with pytest.raises(SystemExit):
         warpwear.run(study, out=other, plots=False)
     with h5py.File(other / FILE_NAME) as file:
@@ -55,9 +54,8 @@ def test_runs_killed_at_random(count: int, options: list[str], monkeypatch: pyte
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     monkeypatch.setenv("PYTHONPATH", path)
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)  # its processes have one, several and none
-    monkeypatch.setattr(sys, "argv", [str(KILLS), "--kills", str(count), *options])
     with pytest.raises(SystemExit) as ended:
-        of_kills["main"]()
+        of_kills["main"](["--kills", str(count), *options])
     assert ended.value.code == 0
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import psutil
 import pytest
 from cases_stopped import CASES, COVERED, differences, run_stopped, soon_done
 from cases_tiles import CELL, LAWS, SHAPE, SURFACES
@@ -101,18 +100,14 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.parametrize(
     "case", [pytest.param(c, marks=[pytest.mark.slow] if c in COVERED else []) for c in CASES]
 )
-def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
+def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path, cores: int) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
     study = soon_done(case)
     one, other = tmp_path / "alone", tmp_path / "stopped"
-    cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else 1
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 1)
-        warpwear.run(study, out=one, plots=False, threads=1).close()
-        run_stopped(study, other, 3, threads=min(2, cores))
-        run_stopped(study, other, 5, resume=True, threads=1)
-        result = warpwear.run(study, out=other, plots=False, resume=True, threads=min(2, cores))
-    with result:
+    warpwear.run(study, out=one, plots=False, threads=1).close()
+    run_stopped(study, other, 3, threads=min(2, cores))
+    run_stopped(study, other, 5, resume=True, threads=1)
+    with warpwear.run(study, out=other, plots=False, resume=True, threads=min(2, cores)) as result:
         assert result.finished
         assert len(result.snapshot_distances) == 2
     assert differences(one, other) == []

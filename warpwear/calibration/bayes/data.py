@@ -27,7 +27,7 @@ from warpwear.history.quantities import printed
 from warpwear.measured.course import check_cof, experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.motion import Motion
-from warpwear.measured.rows import Rows, read_rows
+from warpwear.measured.rows import RecordRows, read_rows
 from warpwear.study.study import Study
 
 #: Points that a course is thinned to, by means of neighbours.
@@ -45,7 +45,7 @@ def unit_of(kind: str) -> str:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredValue:
     """Hold a value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
 
     kind: str
@@ -105,8 +105,8 @@ class Data:
     """All that was measured: courses, coefficients at single distances, other values; and what was done."""
 
     courses: tuple[MeasuredCourse, ...] = ()
-    points: tuple[Measured, ...] = ()
-    values: tuple[Measured, ...] = ()
+    points: tuple[MeasuredValue, ...] = ()
+    values: tuple[MeasuredValue, ...] = ()
     notes: tuple[str, ...] = ()
 
     @cached_property
@@ -166,7 +166,7 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
     return Data(tuple(courses), points, tuple(values), tuple(notes))
 
 
-def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
+def _repeated(values: list[MeasuredValue]) -> tuple[list[MeasuredValue], list[str]]:
     """Widen the uncertainties of repeats that scatter more than they say (Birge's ratio), and say so."""
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
@@ -180,7 +180,7 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     return values, notes
 
 
-def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measured:
+def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> MeasuredValue:
     """Check a value of `KINDS` against the study, or make one of a body's worn volume. Raises InputError."""
     at, total = None, study.sliding.total
     if kind not in KINDS:
@@ -205,7 +205,7 @@ def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measur
             f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {PARTS[0]:g} to "
             f"{PARTS[1]:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
         )
-    return Measured(kind, value, error or 0.0, at)
+    return MeasuredValue(kind, value, error or 0.0, at)
 
 
 def _course(study: Study, experiment: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
@@ -235,7 +235,7 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
     return MeasuredCourse(name, distance, cof, tuple(notes))
 
 
-def _check_load(rows: Rows, load: float) -> None:
+def _check_load(rows: RecordRows, load: float) -> None:
     """Raise InputError for a normal force that is not that of the study [N]."""
     force = rows.table.get("normal force")
     if force is None or not (force := np.abs(force[np.isfinite(force)])).size:

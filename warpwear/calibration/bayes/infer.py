@@ -12,7 +12,7 @@ from warpwear.batches.batch import RUNS, check_folder
 from warpwear.calibration.bayes.data import Data, data_of, unit_of
 from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.likelihood import Posterior
-from warpwear.calibration.bayes.model import Model, columns_for
+from warpwear.calibration.bayes.model import ForwardModel, columns_for
 from warpwear.calibration.bayes.next_test import (
     Candidate,
     best_tests,
@@ -118,11 +118,11 @@ def infer(
             check_folder(folder, resume=True)
             (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
-        def model_of(other: Study, part: float | None = None) -> Model:
+        def model_of(other: Study, part: float | None = None) -> ForwardModel:
             how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}
             rough = bool(data.kinds & {"sq_counter", "sq_disc"})
             of_other = make_runs(other, unknowns, roughness=rough, **how)
-            return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
+            return ForwardModel(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
         def with_model(candidate: Candidate) -> Candidate:
             part = base.runs.part if study.wear.law in ("archard", "energy") else 1.0

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from warpwear.calibration.bayes.data import Data
-from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.model import ForwardModel
 from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.grid import FloatArray
 from warpwear.laws.friction import FILM_STRENGTH, PLOUGHING, STRENGTH
@@ -33,7 +33,7 @@ class Posterior:
     closed_form: whether linear unknowns with a normal prior are integrated out; else all are sampled.
     """
 
-    model: Model
+    model: ForwardModel
     noise: tuple[Unknown, ...]
     data: Data
     closed_form: bool = True

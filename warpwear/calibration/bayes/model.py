@@ -31,7 +31,7 @@ Values = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
-class Friction:
+class FrictionTerms:
     """A coefficient of friction is a sum of terms: key of the strength -> its factor (samples, points).
 
     errors: the standard deviations of what the emulator adds, (samples, sources, points), for the strengths
@@ -45,7 +45,7 @@ class Friction:
 
 
 @dataclass(eq=False)
-class Model:
+class ForwardModel:
     """What a study's test would measure, over its unknowns.
 
     study: of the test. unknowns: of the model, without those of the scatter. Raises InputError for an
@@ -98,7 +98,7 @@ class Model:
         scatters = (float(emulator.scatter.max()) for _, emulator in self._strengths.values())
         return max(scatters, default=0.0)
 
-    def friction(self, values: Values, distance: FloatArray) -> Friction:
+    def friction(self, values: Values, distance: FloatArray) -> FrictionTerms:
         """Return the terms of the coefficient of friction at distances [mm], (points,).
 
         values: key -> (samples,).
@@ -118,7 +118,7 @@ class Model:
             each = self.number(values, name)[:, None] * factor / load
             errors = (errors if errors.size else 0.0) + apart * each[:, None]  # of the same runs: shared
             square += (scatter * each) ** 2
-        return Friction(terms, errors, np.sqrt(square))
+        return FrictionTerms(terms, errors, np.sqrt(square))
 
     def cof(self, values: Values, distance: FloatArray) -> FloatArray:
         """Return the coefficient of friction itself, (samples, points)."""

@@ -14,7 +14,7 @@ import numpy as np
 from warpwear.calibration.bayes.data import Data
 from warpwear.calibration.bayes.identify import information, some_of
 from warpwear.calibration.bayes.likelihood import Posterior
-from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.model import ForwardModel
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.study.study import Study
@@ -46,7 +46,7 @@ class Candidate:
 
     changes: Mapping[str, Any]
     repeats: int = 1
-    model: Model | None = None
+    model: ForwardModel | None = None
     extent: float | None = None
 
     @property

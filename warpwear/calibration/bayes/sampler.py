@@ -44,10 +44,13 @@ class Samples:
     effective: float
 
 
-def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, seed: int) -> Samples:
+def sample(
+    log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, seed: int, most: int = MOST_STEPS
+) -> Samples:
     """Sample a density of standard normal numbers, given by its logarithm for (samples, unknowns).
 
-    Raises InputError where it vanishes everywhere, ConvergenceError where samples do not converge.
+    most: steps of an ensemble. Raises InputError where it vanishes everywhere, ConvergenceError where samples
+    do not converge.
     """
     random = np.random.default_rng(seed)
     if unknowns == 0:
@@ -58,7 +61,7 @@ def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, se
     except ImportError as error:
         raise InputError("an inference needs emcee: pip install 'warpwear[io]'") from error
     steps, time, r_hat = 0, np.inf, np.inf
-    while steps < MOST_STEPS:
+    while steps < most:
         for ensemble, state in ensembles:
             ensemble.run_mcmc(state if steps == 0 else None, BLOCK)
         steps += BLOCK
@@ -71,7 +74,7 @@ def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, se
             break
     else:
         raise ConvergenceError(
-            f"the samples did not converge within {MOST_STEPS} steps: the longest autocorrelation time is "
+            f"the samples did not converge within {most} steps: the longest autocorrelation time is "
             f"{time:.0f} steps, split-R̂ is {r_hat:.3f} (at most {LARGEST_R:g} is allowed); fewer unknowns, "
             "narrower priors or more data are needed."
         )

@@ -19,7 +19,7 @@ from warpwear.grid import FloatArray
 from warpwear.study.keys import attribute_of, key_of, no_such_key
 from warpwear.study.sections.wear import ArchardCoefficient
 from warpwear.study.study import Study
-from warpwear.study.units import EXAMPLES, Number, Quantity, Range, parse
+from warpwear.study.units import EXAMPLES, InUnit, Number, Range, parse
 
 special = lazy.module("scipy.special")
 
@@ -143,7 +143,7 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
     if field is None:
         raise InputError(no_such_key(Study, key))
     kinds = [*field.metadata, *_inside(field.annotation)]
-    kind = next((part for part in kinds if isinstance(part, Quantity | Number)), None)
+    kind = next((part for part in kinds if isinstance(part, InUnit | Number)), None)
     wear = ArchardCoefficient in [getattr(part, "__origin__", part) for part in kinds]
     if kind is None and not wear:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")

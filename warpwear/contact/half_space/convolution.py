@@ -103,7 +103,7 @@ class Convolution(Filter):
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
         """Add the transforms and the product between them to a program."""
-        plan = arguments(fourier.Plan, divides=divides, **self._plan)
+        plan = arguments(fourier.FourierPlan, divides=divides, **self._plan)
         scratch, modes = self.memory
 
         def launch(kernel: Any, *arrays: Any) -> None:

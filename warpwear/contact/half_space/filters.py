@@ -69,7 +69,7 @@ class PaddedFilter(Filter):
         """Add the transforms and the filter between them to a program."""
         grids, executor = self._grids, self._executor
         members = {name: getattr(grids, name) for name in ("visited", "rows", "columns", "stride")}
-        around = arguments(fourier.Plan, divides=divides, scale=self.scale, **members)
+        around = arguments(fourier.FourierPlan, divides=divides, scale=self.scale, **members)
 
         def launch(kernel: Any, rows: int, *arrays: Any) -> None:
             slots = executor.slots_of(grids.count * rows)

@@ -17,7 +17,7 @@ from warpwear.figures import describe
 from warpwear.figures.blocks import with_blocks
 from warpwear.figures.of_run import fields, fretting, history, layers, shape, snapshots, stresses, track
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.words import FIGURES, Entry, first_of
+from warpwear.figures.of_run.words import FIGURES, DeclaredFigure, first_of
 from warpwear.results.file import ResultFile
 from warpwear.results.manifest import add_figure
 
@@ -173,7 +173,7 @@ def _check_overlay(name: str, figure: describe.Figure, ax: Any, color: Any) -> N
         raise InputError(f"color = {color!r} is not a colour of matplotlib, such as 'C1' or '#D55E00'")
 
 
-def _entry(name: str) -> Entry:
+def _entry(name: str) -> DeclaredFigure:
     """Find a figure. Raises InputError for an unknown name."""
     if name not in FIGURES:
         raise InputError(_unknown(name))

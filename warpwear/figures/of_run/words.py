@@ -91,7 +91,7 @@ PATCHES = (ONE_SCALE, NO_SNAPSHOT)
 ROUGHNESS = (SWEPT, SMOOTH_DISC, ONE_SNAPSHOT, UNWORN_DISC)
 
 
-class Entry(NamedTuple):
+class DeclaredFigure(NamedTuple):
     """A figure of a run: what declares it, and why a run may have none.
 
     essential: whether it goes into a paper, and is drawn by default. section: of the page that shows it.
@@ -120,7 +120,7 @@ class Entry(NamedTuple):
 
 
 #: Figures of a run by name.
-FIGURES: dict[str, Entry] = {}
+FIGURES: dict[str, DeclaredFigure] = {}
 #: Fields of a caption that are filled in where no run is at hand.
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
 OF_ANY_RUN |= {"outline": "ellipse", "plane": "y = 0"}
@@ -129,11 +129,11 @@ OF_ANY_RUN |= {"outline": "ellipse", "plane": "y = 0"}
 def figure(*hidden_if: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
     """Enter a function among the figures of a run; the start of its docstring is the caption.
 
-    others: of `Entry`; a section is one of templates/sections.toml.
+    others: of `DeclaredFigure`; a section is one of templates/sections.toml.
     """
 
     def enter(declare: Declare) -> Declare:
-        FIGURES[declare.__name__] = Entry(declare, hidden_if, essential, **others)
+        FIGURES[declare.__name__] = DeclaredFigure(declare, hidden_if, essential, **others)
         return declare
 
     return enter

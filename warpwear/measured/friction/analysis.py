@@ -11,7 +11,7 @@ from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
 from warpwear.measured.motion import Motion, spans
-from warpwear.measured.rows import Rows
+from warpwear.measured.rows import RecordRows
 from warpwear.measured.tribometer import alternates, turning_points
 
 #: A step with less than this part of the rows is told, and not analysed.
@@ -54,13 +54,13 @@ class Loop:
 class Analysis:
     """A record holds steps and loops. left_out: names of steps that are too short, or have no course."""
 
-    rows: Rows
+    rows: RecordRows
     steps: tuple[RecordStep, ...]
     loops: tuple[Loop, ...]
     left_out: tuple[str, ...]
 
 
-def analyse(rows: Rows, motion: Motion) -> Analysis:
+def analyse(rows: RecordRows, motion: Motion) -> Analysis:
     """Analyse the rows of a record. Raises InputError where no step of it has a course."""
     if len(rows.steps) == 1 or alternates(rows):
         return Analysis(rows, (_step("", rows, motion, 0.0),), tuple(_loops(rows)), ())
@@ -86,7 +86,7 @@ def analyse(rows: Rows, motion: Motion) -> Analysis:
     return Analysis(rows, tuple(steps), tuple(_loops(rows)), tuple(left_out))
 
 
-def _step(name: str, rows: Rows, motion: Motion, before: float) -> RecordStep:
+def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordStep:
     course = experiment_of(rows, motion)
     laps = laps_of(course, _lap(rows, motion))
     normal = rows.table.get("normal force")
@@ -99,7 +99,7 @@ def _step(name: str, rows: Rows, motion: Motion, before: float) -> RecordStep:
     return RecordStep(name, course, laps, events_of(laps), load, energy, before)
 
 
-def _lap(rows: Rows, motion: Motion) -> float | None:
+def _lap(rows: RecordRows, motion: Motion) -> float | None:
     """Return the distance of one lap, or of two strokes [mm], None where the record does not say it."""
     table = rows.table
     if motion.stroke is not None:
@@ -115,7 +115,7 @@ def _lap(rows: Rows, motion: Motion) -> float | None:
     return None
 
 
-def _loops(rows: Rows) -> list[Loop]:
+def _loops(rows: RecordRows) -> list[Loop]:
     """Return the first whole cycle of a record with positions and forces, the middle and the last one."""
     if not {"position", "friction force"} <= rows.table.keys():
         return []

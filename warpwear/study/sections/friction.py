@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from warpwear.laws.film import Film
 from warpwear.laws.friction import FRICTION_LAWS, KEYS, FrictionLaw
 from warpwear.study.keys import Demand, Length, Pressure, Section, attribute_of, excludes, key, needs, when
-from warpwear.study.units import Number, Quantity, Range
+from warpwear.study.units import InUnit, Number, Range
 
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
 SHEARS = when("friction.law", "shear-strength")
@@ -47,7 +47,7 @@ class FilmSection(Section):
         "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
         assumed="oxide on both metals",
     )
-    regrowth: Annotated[float | Literal["never"], Quantity("mm", words=("never",))] = key(
+    regrowth: Annotated[float | Literal["never"], InUnit("mm", words=("never",))] = key(
         "never",
         "sliding distance without wear of a body's cell after which its film is whole again",
         assumed="the film does not form anew during the test",
@@ -163,7 +163,7 @@ class Friction(Section):
 class Junctions(Section):
     """The section [junctions] says what the critical size of junctions follows from."""
 
-    surface_energy: Annotated[float, Quantity("N/mm")] | None = key(
+    surface_energy: Annotated[float, InUnit("N/mm")] | None = key(
         None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"
     )
     strength: Pressure | None = key(

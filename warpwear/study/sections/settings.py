@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
-from warpwear.study.units import Quantity, Range, one_by_one
+from warpwear.study.units import InUnit, Range, one_by_one
 
 ONE_APPROACH = when("patches.coupling", "approach")
 SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
@@ -88,7 +88,7 @@ class PatchesSection(Section):
 class Run(Section):
     """The section [run] says how a run is kept safe."""
 
-    checkpoint: Annotated[float, Quantity("s", Range(or_equal=True, infinite=True))] = key(
+    checkpoint: Annotated[float, InUnit("s", Range(or_equal=True, infinite=True))] = key(
         "2 min", "time between checkpoints, from which a run is resumed; 0 s is after every step, inf s never"
     )
 

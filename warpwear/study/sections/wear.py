@@ -13,7 +13,7 @@ from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, We
 from warpwear.laws.pieces import Pieces
 from warpwear.study.keys import Length, Pressure, Section, excludes, key, needs, when
 from warpwear.study.sections.friction import NOT_CONTACT, UNCHANGED, Friction
-from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
+from warpwear.study.units import NOT_NEGATIVE, InUnit, Number, Range, parse, text
 
 AT_REST = when("kinematics", "stationary")
 SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
@@ -118,7 +118,7 @@ class Wear(Section):
         + excludes("kinematics", "fretting", of=OF_PRESSURE, why=", where cells slip by their own lengths")
         + excludes("patches.coupling", "load", of=OF_PRESSURE),
     )
-    decay: Annotated[float, Quantity("1/mm")] | None = key(
+    decay: Annotated[float, InUnit("1/mm")] | None = key(
         None,
         "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit",
         applies=when("wear.law", "exponential"),
@@ -149,7 +149,7 @@ class Wear(Section):
         + needs("counter.shape", "ball", of=("across", "radial"))
         + excludes("wear.particle", of=("across", "radial")),
     )
-    particle: Annotated[float | Literal["critical"], Quantity("mm", words=("critical",))] | None = key(
+    particle: Annotated[float | Literal["critical"], InUnit("mm", words=("critical",))] | None = key(
         None,
         "diameter d* of the pieces in which worn volume leaves; critical: that of thesis eq 2.3, see "
         "[junctions]; if not given, it leaves at once, as dust",
