@@ -15,8 +15,6 @@ from playwright.sync_api import Browser, sync_playwright
 
 import warpwear
 from warpwear import Study
-from warpwear.comparison.folder import write
-from warpwear.comparison.gather import gather
 
 PICTURES = Path(__file__).parent / "pictures"
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader"]
@@ -37,7 +35,7 @@ def main() -> None:
         folder = Path(place)
         for name, load in (("eight newtons", "8 N"), ("four newtons", "4 N")):
             warpwear.run(study.replace({"study.name": name, "contact.load": load}), out=folder / name).close()
-        write(gather([folder / "eight newtons", folder / "four newtons"]), folder / "compared")
+        warpwear.compare(folder / "eight newtons", folder / "four newtons").write(folder / "compared")
         vary: dict[str, Any] = {"contact.load": ["2 N", "4 N", "8 N"], "disc.synthetic.seed": "1:5"}
         coarse = study.replace({"grid.cell": "10 um"})
         warpwear.sweep(coarse, vary=vary, band_over="disc.synthetic.seed", out=folder / "swept", workers=2)

@@ -9,8 +9,9 @@ import pytest
 
 from warpwear import Study
 from warpwear.comparison.area_load import area_load, has_loads
-from warpwear.comparison.gather import Comparison
-from warpwear.comparison.groups import Group, RunData
+from warpwear.comparison.groups import RunData
+from warpwear.comparison.table import Comparison
+from warpwear.ensembles.ensemble import Group
 from warpwear.figures.describe import Chart, Line
 from warpwear.history.end_values import Summary
 
@@ -29,10 +30,9 @@ def compared(*changes: dict[str, Any]) -> Comparison:
     runs = []
     for change in changes:
         study = Study.load("v3-fine").replace(change)
-        history = {"area_contact": np.array([1e-3 * study.contact.load, 1.0])}
-        course = np.zeros(1), np.zeros(1)
-        runs.append(RunData("run", Path("run"), study, history, Summary.of({}), course, np.zeros(1), {}))
-    return Comparison(tuple(Group(run.name, (run,)) for run in runs), (), ())
+        courses = {"area_contact": (np.arange(2.0), np.array([1e-3 * study.contact.load, 1.0]))}
+        runs.append(RunData("run", {}, courses, study, Path("run"), Summary.of({})))
+    return Comparison(tuple(Group(run.name, (run,)) for run in runs))
 
 
 def lines(comparison: Comparison) -> dict[str, Any]:

@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_comparison import refusal, warpwear_compare
+from cases_comparison import gather, refusal, warpwear_compare
 
 import warpwear
 from warpwear import Study
 from warpwear.batches.batch import make_runs
 from warpwear.batches.plan import Plan, section_of
 from warpwear.comparison.figures import FIGURES
-from warpwear.comparison.gather import gather
 from warpwear.figures.paint import paint
 from warpwear.sweeps.table import SweepResult
 
@@ -68,19 +67,19 @@ def test_runs_that_differ_in_a_seed_are_one_line_with_a_band(
     panel = paint(FIGURES["area"](read)).axes[0]
     assert [line.get_label() for line in panel.get_lines()] == list(cofs)
     assert panel.get_title() == "mean and 5–95 % of 3 runs"
-    areas = np.array([run.history["area_contact"] for run in read.groups[0].runs])
+    areas = np.array([run.courses["area_contact"][1] for run in read.groups[0].rows])
     assert np.allclose(panel.get_lines()[0].get_ydata(), areas.mean(axis=0))
     corners = panel.collections[0].get_paths()[0].vertices[:, 1]
     assert corners.min() == pytest.approx(np.percentile(areas, 5.0, axis=0, method="weibull").min())
     assert corners.max() == pytest.approx(np.percentile(areas, 95.0, axis=0, method="weibull").max())
     mixed = gather([swept, runs / "soft"], band_over=["disc.synthetic.seed", "contact.load"])
-    assert [len(group.runs) for group in mixed.groups] == [6, 1]
+    assert [len(group.rows) for group in mixed.groups] == [6, 1]
 
 
 def test_runs_of_a_sweep_are_named_by_what_differs_between_them(swept: Path, runs: Path) -> None:
     folders = sorted(path for path in (swept / "runs").iterdir() if path.is_dir())
     labels = {f"load {load} N, seed {seed}" for load in (4, 8) for seed in (1, 2, 3)}
-    assert {run.name for run in gather(folders).runs} == labels
+    assert {run.name for run in gather(folders).rows} == labels
     assert [group.name for group in gather([swept]).groups] == sorted(labels)
 
 
@@ -100,6 +99,6 @@ def test_bands_over_what_does_not_differ_and_sweeps_without_a_table_are_refused(
     failed = [*lines[:3], lines[3].replace("done", "failed: why")]
     (stopped / "table.csv").write_text("\n".join(failed), encoding="utf-8")
     read = gather([stopped])
-    assert len(read.runs) == 2
+    assert len(read.rows) == 2
     assert read.notes[0] == f"1 of the 3 runs of {stopped} failed and are left out."
     assert "given 2 times" in refusal(swept, next((swept / "runs").glob("*/")), *out)

@@ -93,10 +93,10 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path, quick_
     assert found == pytest.approx(of_cof, rel=1e-12)
     assert found < of_area - 0.05
     notes = "\n".join(document["notes"])
-    assert "differ in load (a 8 N, light 4 N, soft 8 N, still 8 N)" in notes
-    assert "differ in sliding distance (a 30 mm, light 60 mm" in notes
-    assert "differ in wear coefficient of the disc (a 0.00127 mm³/(N·m), light 0.00127" in notes
-    assert "wear coefficient of the counter-body" not in notes
+    assert "differ in contact.load (a 8 N, light 4 N, soft 8 N, still 8 N)" in notes
+    assert "differ in sliding.distance (a 30 mm, light 60 mm" in notes
+    assert "differ in wear.disc (a 0.00127 mm³/(N·m), light 0.00127" in notes
+    assert "wear.counter" not in notes
     # The legend of each names every run; SVG keeps text as paths and names as comments.
     for name in FIGURES.keys() - set(OF_SCARS):
         drawn = (out / f"{name}.svg").read_text(encoding="utf-8")
@@ -155,7 +155,7 @@ def test_a_comparison_is_replaced_only_when_asked(
     assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", ".svg", ".svg", ".txt"]
     # A failure while writing leaves the old one.
     before = {path.name: path.read_bytes() for path in out.iterdir()}
-    failing("warpwear.comparison.folder.write_json", OSError(28, "No space left on device"))
+    failing("warpwear.comparison.compare.write_json", OSError(28, "No space left on device"))
     with quick_pictures(blank=True):
         assert "could not be written: No space left on device." in refusal(*arguments, "--overwrite")
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before

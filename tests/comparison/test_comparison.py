@@ -1,7 +1,6 @@
 """What a comparison says of runs beside each other and beside measurements: notes, names, numbers."""
 
 import csv
-import math
 import re
 import shutil
 from pathlib import Path
@@ -9,16 +8,15 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from cases_comparison import gather
 
 import warpwear
 from warpwear import Study
 from warpwear.comparison import figures
 from warpwear.comparison.figures import FIGURES
-from warpwear.comparison.gather import gather, means_of_parts, rms_difference, shape_of
-from warpwear.comparison.table import to_text, write_csv
+from warpwear.comparison.table import to_text, write_table
 from warpwear.errors import InputError
 from warpwear.figures.describe import Chart, Line
-from warpwear.measured.experiment import Experiment
 
 
 def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -> None:
@@ -34,10 +32,10 @@ def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -
     text = to_text(told)
     assert re.search(r"^coefficient of friction at the end +0\.55 +0\.55 +0\.55$", text, re.MULTILINE)
     assert re.search(r"^CoF that is an input +end +end +end$", text, re.MULTILINE)
-    strengths = [run.summary.shear_strength for run in told.runs]
+    strengths = [run.summary.shear_strength for run in told.rows]
     assert len(set(strengths)) == 3
-    for run, found in zip(told.runs, strengths, strict=True):
-        assert found == pytest.approx(0.55 * run.study.contact.load / run.history["area_contact"][-1])
+    for run, found in zip(told.rows, strengths, strict=True):
+        assert found == pytest.approx(0.55 * run.study.contact.load / run.courses["area_contact"][1][-1])
     line = " +".join(f"{found:.4g}" for found in strengths)
     assert re.search(rf"^shear strength τ0, MPa +{line}$", text, re.MULTILINE)
     assert len(told.notes) == 4  # unlike loads, late snapshots, coarse cells, inputs
@@ -46,7 +44,7 @@ def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -
         "The CoF at the end of l2, l4, l8 is an input (friction.calibrate = 'end')"
     )
     assert figures.cof(told).panels[0].note == "the end is an input of 3 of 3 runs"  # type: ignore[union-attr]
-    write_csv(told, tmp_path / "table.csv")
+    write_table(told, tmp_path / "table.csv")
     with (tmp_path / "table.csv").open(encoding="utf-8") as file:
         assert [row["cof_input [1]"] for row in csv.DictReader(file)] == ["end", "end", "end"]
 
@@ -60,12 +58,12 @@ def test_representative_patches_are_told_beside_whole_ones(runs: Path, tmp_path:
         warpwear.run(study, out=tmp_path / name, plots=False).close()
     read = gather([tmp_path / "whole", tmp_path / "part"])
     told = [note for note in read.notes if note.startswith("Unlike tests")]
-    assert told == ["Unlike tests: the runs differ in patches.width (whole 300 µm, part 150 µm)."]
+    assert told == ["Unlike tests: the runs differ in patches.width (whole 0.3 mm, part 0.15 mm)."]
     lines = {line.split("  ")[0]: line.split()[-2:] for line in to_text(read).splitlines()}
     assert lines["patches.macro_cell, µm"] == ["300", "300"]
     assert lines["patches.width, µm"] == ["300", "150"]
     beside = gather([runs / "a", tmp_path / "part"])
-    assert "Unlike tests: the runs differ in model (v3-fine micro, part two-scale)." in beside.notes
+    assert "Unlike tests: the runs differ in study.model (v3-fine micro, part two-scale)." in beside.notes
     assert not any("differ in patches." in note for note in beside.notes)
     assert "patches.width" not in to_text(gather([runs / "a", runs / "light"]))
 
@@ -75,7 +73,7 @@ def test_one_stands_for_a_list_of_one_and_a_result_for_its_folder(runs: Path, me
     with warpwear.Result.open(runs / "a") as result:
         compared = warpwear.compare(result, experiments=str(measured), columns="DISTANCE,COF")
     assert [experiment.name for experiment in compared.experiments] == ["sample 3"]
-    assert [run.folder for run in compared.runs] == [runs / "a"]
+    assert [run.folder for run in compared.rows] == [runs / "a"]
     banded = warpwear.compare(runs / "a", runs / "soft", band_over="wear.disc")
     assert len(banded.groups) == 2  # they differ in ploughing, too
     with pytest.raises(InputError, match=r"sample 3.csv is no run; give records by experiments=\[…\]"):
@@ -86,17 +84,17 @@ def test_one_stands_for_a_list_of_one_and_a_result_for_its_folder(runs: Path, me
 
 def test_two_folders_of_one_name_go_by_their_paths(runs: Path, tmp_path: Path) -> None:
     shutil.copytree(runs / "a", tmp_path / "a")
-    names = [run.name for run in gather([runs / "a", tmp_path / "a", runs / "soft"]).runs]
+    names = [run.name for run in gather([runs / "a", tmp_path / "a", runs / "soft"]).rows]
     assert names == [str(runs / "a"), str(tmp_path / "a"), "soft"]
     copy = shutil.copy(runs / "a" / "history.csv", tmp_path / "soft.csv")
     read = gather([runs / "soft"], [copy], columns="distance [mm],cof [1]")
     assert [e.name for e in read.experiments] == ["soft (experiment)"]
-    assert read.rms(read.runs[0], read.experiments[0]) is not None
+    assert read.rows[0].ends["rms_cof soft (experiment)"] is not None
 
 
 def test_a_runs_own_history_differs_by_nothing(runs: Path) -> None:
     read = gather([runs / "a"], [runs / "a" / "history.csv"], columns="distance,cof")
-    assert read.rms(read.runs[0], read.experiments[0]) == pytest.approx(0.0, abs=1e-11)
+    assert read.rows[0].ends["rms_cof history"] == pytest.approx(0.0, abs=1e-11)
 
 
 def test_time_takes_the_runs_speed_unless_they_differ(runs: Path, tmp_path: Path) -> None:
@@ -165,35 +163,3 @@ def test_files_of_the_runs_are_closed(runs: Path) -> None:
     gather([runs / "a", runs / "soft"])
     with h5py.File(runs / "a" / "result.h5", "r+"):  # refused while it is open elsewhere for reading
         pass
-
-
-def test_rms_difference_of_straight_lines() -> None:
-    one, other = np.array([0.0, 3.0]), np.array([1.0, 2.0, 5.0])
-    # x against 0 from 1 to 3: the mean of x² is 26/6.
-    assert rms_difference(one, one, other, np.zeros(3)) == pytest.approx(math.sqrt(26 / 6))
-    assert rms_difference(one, one, other + 3.0, np.zeros(3)) is None
-
-
-def test_shape_of_a_noisy_square_root_and_of_too_few_points() -> None:
-    distance = np.linspace(0.0, 100.0, 20_001)
-    noise = np.random.default_rng(4).normal(0.0, 0.02, distance.size)
-    found = shape_of(Experiment("root", distance, np.sqrt(distance) / 10 + noise))
-    assert found["exponent_m"] == pytest.approx(0.5, abs=0.01)
-    # Secants of √x: (1 − √½)/½ over (√0.1 − √(1/80))/(0.1 − 1/80).
-    expected = (1 - math.sqrt(0.5)) / 0.5 / ((math.sqrt(0.1) - math.sqrt(1 / 80)) / (0.1 - 1 / 80))
-    assert found["levelling_lambda"] == pytest.approx(expected, rel=0.05)
-    late = shape_of(Experiment("late", distance[2000:], np.sqrt(distance[2000:])))
-    assert set(late) == {"exponent_m"}
-    assert shape_of(Experiment("few", distance[::2000], np.sqrt(distance[::2000]))) == {}
-
-
-def test_means_of_parts_are_over_the_distance() -> None:
-    """Rows that lie ten times as close weighted ten times as much, and hid what came after."""
-    dense, sparse = np.linspace(0.0, 50.0, 501), np.linspace(51.0, 100.0, 50)
-    distance = np.concatenate([dense, sparse, 100.0 + dense[1:], 100.0 + sparse])
-    places, means, same = means_of_parts(2, distance, distance**2, np.full(distance.size, 0.3))
-    assert places == pytest.approx([50.0, 150.0])
-    assert means == pytest.approx([100.0**2 / 3.0, 7.0 * 100.0**2 / 3.0], rel=1e-4)
-    assert same == pytest.approx([0.3, 0.3], rel=1e-12)
-    gap = np.array([0.0, 5.0, 70.0, 80.0, 100.0])  # parts without rows go
-    assert means_of_parts(4, gap, gap)[0] == pytest.approx([12.5, 62.5, 87.5])

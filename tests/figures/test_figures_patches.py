@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.comparison.gather import gather
 from warpwear.figures.of_run.animation import animate
 from warpwear.figures.of_run.data import load_share_error, smooth_shares
 
@@ -77,9 +76,10 @@ def test_fields_with_holes_are_not_drawn(results: dict[str, Result], tmp_path: P
     with pytest.raises(InputError, match="a film needs whole fields"):
         animate(sampled, tmp_path / "film.gif")
     folders = [r.folder for r in (sampled, results["all covered"]) if r.folder]
-    found = gather(folders)
-    assert not found.runs[0].wear
-    assert set(found.runs[1].wear) == {"counter", "disc"}
+    found = warpwear.compare(*folders)
+    names = {"profile_counter", "profile_disc"}
+    assert not found.rows[0].courses.keys() & names
+    assert found.rows[1].courses.keys() >= names
     assert any("no whole field, so no profile" in note for note in found.notes)
 
 

@@ -18,8 +18,7 @@ import warpwear
 from warpwear import InputError, Result
 from warpwear.batches.run_one import row_of
 from warpwear.cli.main import commands
-from warpwear.comparison.gather import gather
-from warpwear.comparison.table import columns, to_text
+from warpwear.comparison.table import to_text, values_of
 from warpwear.figures.describe import Map
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.animation import animate
@@ -128,12 +127,11 @@ def test_a_track_is_compared_by_its_groove(result: Result, tmp_path: Path) -> No
     folder = result.folder
     assert folder is not None
     shutil.copytree(folder, tmp_path / "other")
-    run = gather([folder, tmp_path / "other"]).runs[0]
+    run = warpwear.compare(folder, tmp_path / "other").rows[0]
     cell = result.study.grid.cell
-    assert 3.0 * run.wear["disc"].sum() * cell == pytest.approx(
-        result.history["wear_volume_disc"][-1], rel=1e-12
-    )
-    assert run.wear["disc"].shape == run.wear["counter"].shape == run.across.shape
+    across, change = run.courses["profile_disc"]
+    assert -3e-3 * change.sum() * cell == pytest.approx(result.history["wear_volume_disc"][-1], rel=1e-12)
+    assert change.shape == run.courses["profile_counter"][1].shape == across.shape
 
 
 def test_a_groove_that_was_only_pressed() -> None:
@@ -176,9 +174,9 @@ def test_the_shape_of_a_course_is_that_of_its_passes(tmp_path: Path) -> None:
     measured = zip(places.tolist(), means.tolist(), strict=True)
     lines = ["distance [mm],cof", *(f"{place!r},{mean!r}" for place, mean in measured)]
     (tmp_path / "test.csv").write_text("\n".join(lines))
-    comparison = gather([tmp_path / "one", tmp_path / "two"], [tmp_path / "test.csv"])
-    assert comparison.rms(comparison.runs[0], comparison.experiments[0]) == pytest.approx(0.0, abs=1e-9)
-    told, values = to_text(comparison), next(iter(columns(comparison).values()))
+    comparison = warpwear.compare(tmp_path / "one", tmp_path / "two", experiments=[tmp_path / "test.csv"])
+    assert comparison.rows[0].ends["rms_cof test"] == pytest.approx(0.0, abs=1e-9)
+    told, values = to_text(comparison), next(iter(values_of(comparison).values()))
     assert values["exponent_m"] == pytest.approx(summary["cof_shape"]["exponent_m"], rel=1e-12)
     assert values["levelling_lambda"] == pytest.approx(summary["cof_shape"]["levelling_lambda"], rel=1e-12)
     assert values["cof"] == pytest.approx(of_steps["cof"][-30:].mean(), rel=1e-12)
@@ -239,8 +237,8 @@ def test_a_step_that_the_end_cuts_short_is_not_drawn(tmp_path: Path) -> None:
     whole = history["cof"][:200].reshape(40, 5)
     assert means[:, 1] == pytest.approx(whole.mean(axis=1))
     shutil.copytree(tmp_path / "run", tmp_path / "other")
-    compared = gather([tmp_path / "run", tmp_path / "other"]).runs[0]
-    assert compared.history["distance"][-1] == history["distance"][-2]
+    compared = warpwear.compare(tmp_path / "run", tmp_path / "other").rows[0]
+    assert compared.courses["area_contact"][0][-1] == history["distance"][-2]
     assert compared.summary["distance_mm"] == history["distance"][-1]
 
 

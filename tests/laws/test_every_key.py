@@ -22,7 +22,6 @@ from warpwear.calibration.bayes.runs import make_runs, needs_runs
 from warpwear.calibration.bayes.unknowns import Unknown, unknowns_of
 from warpwear.calibration.energy import calibrate_energy
 from warpwear.calibration.strength import calibrate_friction
-from warpwear.comparison.gather import gather
 from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
@@ -133,8 +132,6 @@ CASES = {
     "friction.film.bodies": Case("disc", FILM, "v3-fine", refused=TWO_STRENGTHS),
     "friction.film.regrowth": Case("0.5 mm", FILM | TRACK, "v3-fine", refused=TWO_STRENGTHS),
 }
-#: Words of a comparison for keys whose values are made of others too.
-CALLED = {f"wear.{body}": f"wear coefficient of the {name}" for body, name in archard.CALLED.items()}
 
 
 def keys() -> list[str]:
@@ -228,8 +225,8 @@ def test_a_key_changes_the_run_and_what_is_said_of_it(
     for row, study in zip(rows, pair.studies, strict=True):
         strength = row.ends["shear_strength [MPa]"]
         assert math.isfinite(strength) == (study.friction.law == "shear-strength")
-    notes = "\n".join(gather(pair.folders, []).notes)
-    assert f"the runs differ in {CALLED.get(pair.key, pair.key)} (" in notes
+    notes = "\n".join(warpwear.compare(*pair.folders).notes)
+    assert f"the runs differ in {pair.key} (" in notes
 
 
 def constant_of(study: Study) -> tuple[Unknown, ...]:

@@ -17,7 +17,6 @@ from click.testing import CliRunner
 import warpwear
 from warpwear import Study
 from warpwear.cli.main import commands
-from warpwear.comparison.page import _than
 from warpwear.figures import style as fs
 from warpwear.figures.describe import Axis, Chart, Figure, Line
 from warpwear.figures.paint import paint
@@ -158,14 +157,6 @@ def test_names_are_no_formulas() -> None:
     line = Line(np.arange(2.0), np.arange(2.0), in_legend(r"$\frac{$" + "x" * 300))
     assert fs.bytes_of(paint(Figure([Chart("", Axis(), Axis(), [line])], legend=1)))
     assert len(in_legend("x" * 300)) == 60
-
-
-def test_differences_are_to_the_first_run(compared: Path) -> None:
-    assert _than(1.1, 1.0) == "+10 %"
-    assert _than(0.9, 1.0) == "−10 %"
-    assert _than(3.0, 1.0) == "× 3"
-    assert _than(1.00001, 1.0) == "the same"
-    assert _than(1.0, None) == ""
 
 
 @pytest.mark.slow

@@ -15,7 +15,6 @@ from fuzzing import check_sentence, little_memory, located, numbers, watched
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.comparison.gather import gather
 from warpwear.comparison.table import to_text
 from warpwear.figures.of_run.table import FIGURES
 from warpwear.results.export import FORMATS, export
@@ -150,7 +149,7 @@ def use(folder: Path, dice: random.Random, out: Path) -> None:
         export(result, out, formats=dice.sample(list(FORMATS), 3), snapshot="all", overwrite=True)
         if result.study.study.model == "two-scale":
             result.load_share, result.area_patch  # noqa: B018
-    to_text(gather([folder, out.parent / "good"]))
+    to_text(warpwear.compare(folder, out.parent / "good"))
 
 
 def broken(good: Path, dice: random.Random, folder: Path) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import BAND_OVER, EXPERIMENTS, FORMAT, PATH
-from warpwear.cli.places import compared, comparison_folder, comparison_table
+from warpwear.cli.places import compared, comparison_table
 from warpwear.cli.surface import prepared, with_preparation
 
 
@@ -54,7 +54,7 @@ def compare(folders: tuple[Path, ...], out: Path, file_format: str, overwrite: b
     how, scar = prepared(settings), settings["scar"]
     of_scar = {"before": settings["before"], **how}
     compared.check_choice(folders, settings["experiments"], scar, of_scar)
-    comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
+    compared.check_out(out, file_format=file_format, overwrite=overwrite)
     comparison = compared.compare(*folders, **settings, **how)
     click.echo(comparison_table.to_text(comparison))
     for path in comparison.write(out, file_format=file_format, overwrite=overwrite):

@@ -4,7 +4,6 @@ from warpwear.lazy import module
 
 calibrations = module("warpwear.calibration.commands")
 compared = module("warpwear.comparison.compare")
-comparison_folder = module("warpwear.comparison.folder")
 comparison_table = module("warpwear.comparison.table")
 drafts = module("warpwear.drafts.draft")
 energy_of_test = module("warpwear.calibration.energy")

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpwear.comparison.gather import Comparison
-from warpwear.comparison.groups import Group
+from warpwear.comparison.groups import RunData
+from warpwear.comparison.table import Comparison
+from warpwear.ensembles.ensemble import Group
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.grid import FloatArray
@@ -28,7 +29,7 @@ COLOURS = (describe.CONTACT, describe.DISC, describe.COUNTER, describe.MEAN_PRES
 
 def has_loads(comparison: Comparison) -> bool:
     """Tell whether runs differ in load."""
-    return len({run.study.blocks[0].load for run in comparison.runs}) > 1
+    return len({run.study.blocks[0].load for run in comparison.rows}) > 1
 
 
 def area_load(comparison: Comparison) -> Figure:
@@ -37,7 +38,7 @@ def area_load(comparison: Comparison) -> Figure:
     Lines of theories are there where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
     """
-    forces, lines = [run.study.blocks[0].load for run in comparison.runs], []
+    forces, lines = [run.study.blocks[0].load for run in comparison.rows], []
     loads = np.geomspace(min(forces) / MARGIN, max(forces) * MARGIN, LINES)
     for number, (name, (force, area, low, high)) in enumerate(series_of(comparison).items()):
         look = Look(COLOURS[number % len(COLOURS)], marker=describe.MARKERS[number % len(COLOURS)], size=4.0)
@@ -62,30 +63,30 @@ def series_of(comparison: Comparison) -> dict[str, FloatArray]:
 
     Each has shape (4, groups), its loads rising.
     """
-    series: dict[str, list[Group]] = defaultdict(list)
+    series: dict[str, list[Group[RunData]]] = defaultdict(list)
     for group in comparison.groups:
         series[_law(group)].append(group)
     return {name: np.transpose(sorted(_point(group) for group in groups)) for name, groups in series.items()}
 
 
-def _point(group: Group) -> tuple[float, float, float, float]:
+def _point(group: Group[RunData]) -> tuple[float, float, float, float]:
     """Return a group's mean load [N] and area in contact at first [10⁻³ mm²]: mean, ends of its band."""
-    areas = np.array([[1.0e3 * run.history["area_contact"][0]] for run in group.runs])
+    areas = np.array([[1.0e3 * run.courses["area_contact"][1][0]] for run in group.rows])
     mean, low, high = (float(values[0]) for values in band(areas))
-    return float(np.mean([run.study.blocks[0].load for run in group.runs])), mean, low, high
+    return float(np.mean([run.study.blocks[0].load for run in group.rows])), mean, low, high
 
 
-def _law(group: Group) -> str:
+def _law(group: Group[RunData]) -> str:
     """Name the law and the hardness of the runs of a group, all of them where they differ."""
-    laws = dict.fromkeys(run.study.contact.law for run in group.runs)
-    capped = sorted({run.study.hardness for run in group.runs if np.isfinite(run.study.hardness)})
+    laws = dict.fromkeys(run.study.contact.law for run in group.rows)
+    capped = sorted({run.study.hardness for run in group.rows if np.isfinite(run.study.hardness)})
     cap = f"H = {', '.join(f'{hardness:g}' for hardness in capped)} MPa" if capped else "no hardness"
     return f"computed: {', '.join(laws)}, {cap}"
 
 
 def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArray]:
     """Find areas by theories: label -> area [mm²] at the loads [N]; none where the bodies differ."""
-    studies = [run.study for run in comparison.runs]
+    studies = [run.study for run in comparison.rows]
     first = studies[0]
     areas: dict[str, FloatArray] = {}
     if any((s.counter, s.disc, s.grid) != (first.counter, first.disc, first.grid) for s in studies):

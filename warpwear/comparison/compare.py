@@ -1,23 +1,35 @@
 """Compare runs and measurements, for Python and for `warpwear compare`."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
-from warpwear.comparison.folder import write
-from warpwear.comparison.gather import Comparison, check_number, gather
-from warpwear.comparison.scar import ScarFiles
-from warpwear.comparison.table import UNITS, to_text
-from warpwear.comparison.table import columns as values_of
-from warpwear.errors import in_python, named_in_python
-from warpwear.measured.options import flag, refuse
+from warpwear.comparison.figures import FIGURES, figures_of
+from warpwear.comparison.groups import RunData, folders_of, grouped, is_sweep, read_run, unlike
+from warpwear.comparison.notes import notes_of
+from warpwear.comparison.page import page
+from warpwear.comparison.scar import ScarFiles, compare_scar
+from warpwear.comparison.table import UNITS, Comparison, to_text, values_of, write_json, write_table
+from warpwear.ensembles.ensemble import rms_difference
+from warpwear.errors import InputError, in_python, named_in_python
+from warpwear.figures.style import check_format
+from warpwear.measured.course import read_experiment
+from warpwear.measured.experiment import Experiment
+from warpwear.measured.options import flag, optional, refuse
 from warpwear.measured.rows import Paths
 from warpwear.measured.surface import HowToRead, Length, check_options
-from warpwear.page.folder import WrittenAsFolder
+from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.result import Result
+from warpwear.results.folder import check_folder
 from warpwear.results.frames import package
 from warpwear.study.units import several
+
+#: Every comparison has it, and no other folder.
+MARK = "comparison.json"
+PAGE = "compare.html"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,7 +69,16 @@ class ComparedRuns(Comparison, WrittenAsFolder):
         return frame
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
-        return write(self, folder, file_format=file_format, overwrite=overwrite)
+        check_out(folder, file_format=file_format, overwrite=overwrite)
+        return write_report(
+            folder,
+            figures_of(self),
+            pages={PAGE: partial(page, self, folder=folder)},
+            files={"table.csv": partial(write_table, self), MARK: partial(write_json, self)},
+            marks=[MARK],
+            file_format=file_format,
+            older=list(FIGURES),
+        )
 
 
 @named_in_python()
@@ -114,17 +135,71 @@ def compare(
     [0.015, 0.026]
     """
     check_options(how)
-    paths, records = [Path(folder) for folder in folders], several(experiments)
+    paths, records = [Path(folder) for folder in folders], [Path(path) for path in several(experiments)]
     check_choice(paths, records, scar, {"before": before, **how})
+    run_folders, left_out = folders_of(paths)
+    check_choice(run_folders, records, scar, {})
+    for path, count in Counter(path.resolve() for path in (*run_folders, *records)).items():
+        if count > 1:
+            raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
+    groups = grouped([read_run(folder) for folder in run_folders], several(band_over))
+    runs = [run for group in groups for run in group.rows]
+    measured = _read_experiments(
+        records,
+        [group.name for group in groups],
+        load=_common(run.study.same_load for run in runs),
+        speed=optional("--speed", speed, "mm/s") or _common(run.study.sliding.mean_speed for run in runs),
+        stroke=optional("--stroke", stroke, "mm") or _common(run.study.sliding.stroke for run in runs),
+        radius=_common(run.study.same_radius for run in runs),
+        columns=columns,
+    )
+    groups = [replace(g, rows=tuple(_beside(run, measured) for run in g.rows)) for g in groups]
     files = None if scar is None else ScarFiles(Path(scar), None if before is None else Path(before), how)
-    settings: Any = {"band_over": several(band_over), "speed": speed, "stroke": stroke, "columns": columns}
-    return ComparedRuns(**vars(gather(paths, records, scar=files, **settings)))
+    scars = None if files is None else compare_scar(files, runs)
+    return ComparedRuns(tuple(groups), measured, (*left_out, *notes_of(groups, measured)), scars)
+
+
+def check_out(folder: Path, *, file_format: str = "png", overwrite: bool = False) -> None:
+    """Raise InputError for what `write` would refuse, before anything is read."""
+    check_format(file_format)
+    check_folder(folder, [MARK], what="a comparison", overwrite=overwrite)
 
 
 def check_choice(
-    folders: Sequence[str | Path], experiments: Sequence[str | Path], scar: object, of_scar: Mapping[str, Any]
+    folders: Sequence[Path], experiments: Sequence[Path], scar: object, of_scar: Mapping[str, Any]
 ) -> None:
-    """Raise InputError for fewer than two, and for options of a scar where there is none."""
+    """Raise InputError for less than two together, and for options of a scar where there is none.
+
+    A sweep stands for several runs.
+    """
     if scar is None:
         refuse({flag(key): value for key, value in of_scar.items()}, "needs --scar")
-    check_number(folders, experiments, scar)
+    elif not folders:
+        raise InputError("--scar needs the folder of a run to compare with")
+    if len(folders) + sum(map(is_sweep, folders)) + len(experiments) + (scar is not None) < 2:
+        first = str([*folders, *experiments, "nothing"][0])
+        raise InputError(
+            f"compare needs two runs or more, or a run and an --experiment or a --scar; given: {first}"
+        )
+
+
+def _read_experiments(paths: list[Path], taken: Sequence[str], **options: Any) -> tuple[Experiment, ...]:
+    """Read measured courses of friction, each named by its file, unlike the names that groups have taken."""
+    courses = [read_experiment(path, **options) for path in paths]
+    stems = Counter(path.stem for path in paths)
+    names = [path.name if stems[path.stem] > 1 else path.stem for path in paths]
+    labels = unlike(names, taken, suffix=" (experiment)")
+    return tuple(replace(course, name=name) for name, course in zip(labels, courses, strict=True))
+
+
+def _beside(run: RunData, experiments: Iterable[Experiment]) -> RunData:
+    """Add to the end values of a run how its coefficient of friction differs from measured courses (rms)."""
+    course = run.courses.get("cof")
+    rms = {f"rms_cof {e.name}": course and rms_difference(course, e.course) for e in experiments}
+    return replace(run, ends={**run.ends, **rms})
+
+
+def _common(values: Iterable[float | None]) -> float | None:
+    """Find the value that all of them have; None where they differ."""
+    first, *others = dict.fromkeys(values) or [None]
+    return None if others else first

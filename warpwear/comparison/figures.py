@@ -1,26 +1,20 @@
 """Figures of a comparison: the courses of runs and experiments, and worn profiles, laid over each other."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from warpwear.comparison.area_load import area_load, has_loads
-from warpwear.comparison.gather import Comparison, means_of_parts
-from warpwear.comparison.groups import Course, Group, RunData
-from warpwear.figures import courses, describe
-from warpwear.figures.blocks import with_blocks
-from warpwear.figures.courses import over_each_other
+from warpwear.comparison.table import Comparison
+from warpwear.ensembles.figures import OVERLAID, chart_of, figure_of, lines_of, measured_line
+from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES, CALLED
-from warpwear.measured.experiment import Experiment, mean_of_last_tenth
-from warpwear.results.ensemble import band_told, in_legend
+from warpwear.measured.experiment import mean_of_last_tenth
+from warpwear.results.ensemble import in_legend
 
-#: Parts that a measured course of many more points is averaged in, its scatter a band.
-POINTS = 120
-#: Markers along a measured course, about.
-MARKED = 30
 #: Bodies of which one lost this many times as much as the other have scales of their own.
 UNLIKE = 4.0
 #: Largest number of points along a side of a map.
@@ -33,29 +27,27 @@ def cof(comparison: Comparison) -> Figure:
 
     A swept run has the means of its passes, if it made more than one.
     """
-    every, inputs = list(_courses(comparison, cof_of)), []
-    measured: list[Line] = []
-    relative: list[Line] = []
-    for number, experiment in enumerate(comparison.experiments):
-        look, end = describe.look_of_measured(number), experiment.final_cof
-        measured.append(measured_line(experiment, look))
-        if end > 0.0:
-            relative.append(replace(measured_line(experiment, look, end), label=""))
-    for group, course in every:
-        mean = course.line().y
-        friction = group.runs[0].study.friction
+    every, inputs = list(lines_of(comparison.groups, "cof")), []
+    relative = [
+        replace(measured_line(number, e, e.final_cof), label="")
+        for number, e in enumerate(comparison.experiments)
+        if e.final_cof > 0.0
+    ]
+    for group, line in every:
+        friction = group.rows[0].study.friction
         if friction.fitted in ("end", "initial"):
             place = slice(-1, None) if friction.calibrate == "end" else slice(1)
-            mark = replace(describe.RING, colour=course.look.colour)
-            inputs.append(Line(course.places[place], mean[place], look=mark))
-        level = mean_of_last_tenth(course.places, mean)
-        if mean.size > 1 and level > 0.0:
-            relative.append(replace(course, label="", values=course.values / level).line())
-    number = sum(run.study.friction.ends_as_given for run in comparison.runs)
+            mark = replace(describe.RING, colour=line.look.colour)
+            inputs.append(Line(line.x[place], line.y[place], look=mark))
+        level = mean_of_last_tenth(line.x, line.y)
+        if line.x.size > 1 and level > 0.0:
+            scaled = lines_of([group], "cof", 1.0 / level, looks=[line.look])
+            relative += [replace(one, label="") for _, one in scaled]
+    number = sum(run.study.friction.ends_as_given for run in comparison.rows)
     note = "○: calibrated to this value" if inputs else ""
     if number:
-        note = f"the end is an input of {number} of {len(comparison.runs)} runs"
-    chart = over_each_other(BY_NAME["cof"], (course for _, course in every), more=measured, note=note)
+        note = f"the end is an input of {number} of {len(comparison.rows)} runs"
+    chart = chart_of(comparison, BY_NAME["cof"], note=note)
     axes = Axis(describe.DISTANCE, low=0.0), Axis("relative coefficient, –", low=0.0)
     second = Chart("Relative coefficient of friction", *axes, relative, RELATIVE)
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
@@ -63,7 +55,9 @@ def cof(comparison: Comparison) -> Figure:
 
 def of_columns(quantities: Sequence[Quantity]) -> Callable[[Comparison], Figure]:
     """Declare the figure of columns of the history over the distance slid, those of bodies on one scale."""
-    return lambda comparison: _figure(comparison, _on_one_scale([_course(comparison, q) for q in quantities]))
+    return lambda comparison: _figure(
+        comparison, _on_one_scale([chart_of(comparison, quantity) for quantity in quantities])
+    )
 
 
 def profiles(comparison: Comparison) -> Figure:
@@ -71,11 +65,13 @@ def profiles(comparison: Comparison) -> Figure:
 
     A track's is the mean cross-section of its groove.
     """
-    worn = [np.abs(run.across[wear > 0.0]) for run in comparison.runs for wear in run.wear.values()]
+    names = [f"profile_{body}" for body in BODIES]
+    every = [run.courses[name] for run in comparison.rows for name in names if name in run.courses]
+    worn = [np.abs(across[change < 0.0]) for across, change in every]
     reach = 1.15 * max((float(places.max(initial=0.0)) for places in worn), default=0.0)
     charts = []
-    for body in BODIES:
-        lines = [course.line() for _, course in _courses(comparison, _profile_of(body))]
+    for body, name in zip(BODIES, names, strict=True):
+        lines = [line for _, line in lines_of(comparison.groups, name)]
         up = Axis("change of height by wear, µm", high=0.0)
         note = f"{CALLED[body]}, at the end"
         across = Axis(describe.ACROSS, low=-reach or None, high=reach or None)
@@ -133,58 +129,24 @@ def groove(comparison: Comparison) -> Figure:
 CALLED_HERE = {"areas": "area"}
 #: Name of the file -> how it is declared.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
-    **{CALLED_HERE.get(name, name): of_columns(quantities) for name, quantities in courses.OVERLAID.items()},
+    **{CALLED_HERE.get(name, name): of_columns(quantities) for name, quantities in OVERLAID.items()},
     **{"cof": cof, "area_load": area_load, "profiles": profiles, "scar": scar, "groove": groove},
 }
 
 
 def figures_of(comparison: Comparison) -> dict[str, Figure]:
     """Declare each figure that has something to show."""
-    known = bool(comparison.experiments) or any(run.cof is not None for run in comparison.runs)
-    has = {"cof": known, "profiles": any(run.wear for run in comparison.runs)}
+    has = {"cof": any("cof" in row.courses for group in comparison.all_groups for row in group.rows)}
+    has["profiles"] = any("profile_disc" in run.courses for run in comparison.rows)
     has["area_load"] = has_loads(comparison)
     has["scar"] = has["groove"] = comparison.scar is not None
     return {
-        name: declare(comparison) for name, declare in FIGURES.items() if has.get(name, bool(comparison.runs))
+        name: declare(comparison) for name, declare in FIGURES.items() if has.get(name, bool(comparison.rows))
     }
 
 
-def cof_of(run: RunData) -> Course | None:
-    """Draw the course of the coefficient of friction of a run, if it is known."""
-    if run.cof is None:
-        return None
-    distance, values = run.course
-    return (run.history["distance"], run.cof) if values.size < min(run.cof.size, 2) else (distance, values)
-
-
-def _profile_of(body: str) -> Callable[[RunData], Course | None]:
-    """Make what gives the worn profile of a body [µm] over the places across sliding [mm]."""
-    return lambda run: (run.across, -1.0e3 * run.wear[body]) if run.wear else None
-
-
-def _courses(
-    comparison: Comparison, course_of: Callable[[RunData], Course | None]
-) -> Iterable[tuple[Group, courses.Course]]:
-    """Give the groups that have a course with its line, which is the same in every figure."""
-    for index, group in enumerate(comparison.groups):
-        if (course := group.courses(course_of)) is not None:
-            look = describe.look_of_group(index)
-            yield group, courses.Course(in_legend(group.name), look, *course, group.name)
-
-
-def _course(comparison: Comparison, quantity: Quantity) -> Chart:
-    every = _courses(comparison, lambda run: (run.history["distance"], run.history[quantity.name]))
-    return over_each_other(quantity, (course for _, course in every))
-
-
 def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
-    """Make a figure with one legend, and say above the first panel what bands are."""
-    text = band_told([len(group.runs) for group in comparison.groups])
-    note = "\n".join(filter(None, [charts[0].note, text]))
-    several = len(comparison.groups) + len(comparison.experiments)
-    figure = Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
-    studies = {run.study.programme: run.study for run in comparison.runs}
-    return with_blocks(figure, *studies.values()) if len(studies) == 1 else figure
+    return figure_of(comparison, charts, (run.study for run in comparison.rows))
 
 
 def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
@@ -198,15 +160,3 @@ def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
         replace(chart, y=replace(chart.y, high=end) if chart.y.low == 0.0 else replace(chart.y, low=-end))
         for chart in charts
     ]
-
-
-def measured_line(experiment: Experiment, look: Look, end: float = 1.0) -> Line:
-    """Give measured points over `end`; of many more the means of parts, in a band of scatter."""
-    distance, values = experiment.distance, experiment.cof
-    label, every = in_legend(experiment.name), max(1, min(distance.size, POINTS) // MARKED)
-    if distance.size <= 2 * POINTS:
-        return Line(distance, values / end, label, look, every=max(1, distance.size // MARKED))
-    distance, values, squares = means_of_parts(POINTS, distance, values, values**2)
-    scatter = np.sqrt(np.clip(squares - values**2, 0.0, None))
-    low, high = (values - scatter) / end, (values + scatter) / end
-    return Line(distance, values / end, label, look, low, high, every=every)

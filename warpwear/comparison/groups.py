@@ -1,25 +1,34 @@
 """Which runs are compared, how they are called, and which of them are drawn as one line with a band."""
 
-import csv
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, count, pairwise
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from warpwear.ensembles.ensemble import EnsembleRow, Group
+from warpwear.ensembles.table import read_csv
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.end_values import Summary
-from warpwear.results.ensemble import at, is_label, label_of, short_names, that_matter
+from warpwear.history.end_values import ENDS, Summary
+from warpwear.history.quantities import printed
+from warpwear.laws.archard import BODIES
+from warpwear.result import Result
+from warpwear.results.ensemble import is_label, label_of, short_names, that_matter
 from warpwear.results.file import FILE_NAME
-from warpwear.study.keys import dotted
+from warpwear.results.track import course, groove, whole_steps
+from warpwear.study.keys import dotted, inapplicable
 from warpwear.study.study import Study
+from warpwear.study.text import readable
 
+#: Length along sliding over which profiles are averaged, as a part of the scar's.
+STRIP = 0.125
 #: Table and folder of runs of a sweep.
 TABLE, RUNS = "table.csv", "runs"
 #: Names of folders that a sweep gives.
@@ -28,50 +37,60 @@ HASHED = re.compile(r"[0-9a-f]{64}")
 LETTERS = 8
 #: Keys that a name says at most; runs that differ in more are called by study and folder.
 MOST_KEYS = 4
+#: Letters of a value that stand in a cell.
+LONGEST = 60
 #: Names that a note lists at most.
 MOST_NAMES = 6
 
 
 @dataclass(frozen=True, eq=False)
-class RunData:
-    """Hold what is compared of a run; its file is closed."""
+class RunData(EnsembleRow):
+    """Hold what is compared of a run; its file is closed.
 
-    name: str
-    folder: Path
+    Its courses are those of steps, of a swept run without those that are cut short, see `whole_steps`; "cof",
+    where it is known: of a swept run the means of whole passes, if it made several; and with a snapshot
+    "profile_BODY": the change of height at the end [µm] over places across sliding [mm].
+    """
+
     study: Study
-    history: dict[str, FloatArray]  # without a swept run's steps that are cut short, see `whole_steps`
+    folder: Path
     summary: Summary
-    course: tuple[FloatArray, FloatArray]  # distance [mm] and CoF, of a swept run the means of whole passes
-    across: FloatArray  # places across sliding [mm], shape (ny,)
-    wear: dict[str, FloatArray]  # body -> depth over `across` at the end [mm]; empty without a snapshot
-
-    @property
-    def cof(self) -> FloatArray | None:
-        """Return the coefficient of friction of every step, if it is known."""
-        values = self.history["cof"]
-        return values if bool(np.isfinite(values).all()) else None
 
 
-Course = tuple[FloatArray, FloatArray]
+def read_run(folder: Path) -> RunData:
+    """Read what is compared of a run. Raises InputError."""
+    with Result.open(folder) as result:
+        study, summary, history, whole = (
+            result.study,
+            Summary.of(result.summary),
+            result.history,
+            whole_steps(result),
+        )
+        courses = {name: (history["distance"][whole], values[whole]) for name, values in history.items()}
+        passes = course(result, "cof")
+        if not np.isfinite(courses["cof"][1]).all():
+            del courses["cof"]
+        elif passes[1].size >= min(courses["cof"][1].size, 2):
+            courses["cof"] = passes
+        if result.snapshot_distances.size and not study.samples_area:
+            along = summary.patch_along
+            courses |= {f"profile_{body}": (result.y, -1e3 * _worn(result, body, along)) for body in BODIES}
+        ends = {name: getattr(summary, name) for name in ENDS}
+        return RunData(study.study.name, ends, courses, study, folder, summary)
 
 
-@dataclass(frozen=True, eq=False)
-class Group:
-    """Hold runs that differ only in what a band is taken over; without bands each run is one."""
+def _worn(result: Result, body: str, along: float) -> FloatArray:
+    """Return the mean depth [mm], shape (ny,), that a body has lost at the end in the middle of the scar.
 
-    name: str
-    runs: tuple[RunData, ...]
-
-    def courses(self, course_of: Callable[[RunData], Course | None]) -> tuple[FloatArray, FloatArray] | None:
-        """Return places of the longest course, (places,), and all values there, (runs, places); None of none.
-
-        course_of: gives places and values of a run, (n,) each, or None. NaN beyond the ends of a course.
-        """
-        known = [course for run in self.runs if (course := course_of(run)) is not None]
-        if not known:
-            return None
-        places = max((x for x, _ in known), key=lambda x: (x[-1], x.size))
-        return places, np.array([at(places, x, values) for x, values in known])
+    along: length of the scar [mm]. That of a track is the mean of its groove: its middle was in contact at
+    times only.
+    """
+    if body == "disc" and result.study.is_swept:
+        return groove(result, len(result.snapshots) - 1).worn
+    depth: FloatArray = getattr(result.snapshot(-1), f"wear_{body}")
+    half = 0.5 * STRIP * along / result.study.grid.cell
+    rows = np.abs(np.arange(depth.shape[0]) - 0.5 * (depth.shape[0] - 1)) <= max(half, 0.5)
+    return np.asarray(depth[rows].mean(axis=0))
 
 
 def is_sweep(folder: Path) -> bool:
@@ -79,14 +98,14 @@ def is_sweep(folder: Path) -> bool:
     return (folder / RUNS).is_dir() and not (folder / FILE_NAME).is_file()
 
 
-def folders_of(folders: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
+def folders_of(folders: Sequence[Path]) -> tuple[list[Path], list[str]]:
     """Put its finished runs where the folder of a sweep stands, in its table's order; also return notes.
 
     Raises InputError for a sweep that has not come to its end, or of which no run has.
     """
     run_folders: list[Path] = []
     notes: list[str] = []
-    for folder in map(Path, folders):
+    for folder in folders:
         if folder.is_file() and not h5py.is_hdf5(folder):
             raise InputError(f"{folder} is no run; give records by --experiment, experiments=[…]")
         if not is_sweep(folder):
@@ -97,8 +116,7 @@ def folders_of(folders: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
                 f"{folder} is a sweep without {TABLE}: it was stopped. Finish it (warpwear sweep --resume), "
                 f"or give the folders in {folder / RUNS}"
             )
-        with (folder / TABLE).open(newline="", encoding="utf-8") as file:
-            rows = [(row.get("run", ""), row.get("status")) for row in csv.DictReader(file)]
+        rows = [(row.get("run", ""), row.get("status")) for row in read_csv(folder / TABLE)]
         done = dict.fromkeys(run for run, status in rows if status == "done" and HASHED.fullmatch(run))
         if not done:
             raise InputError(f"{folder} is a sweep of which no run has finished: there is nothing to compare")
@@ -108,7 +126,7 @@ def folders_of(folders: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
     return run_folders, notes
 
 
-def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
+def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group[RunData]]:
     """Name each run, and put those that differ in keys of band_over alone into groups.
 
     Groups are named by what differs between them; so are runs of sweeps, whose folders have no names for
@@ -135,12 +153,32 @@ def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
 
 
 def differing(runs: Sequence[RunData]) -> dict[str, list[str]]:
-    """Map each dotted key in which runs differ to its value in each of them."""
+    """Map each dotted key in which runs differ to its value in each of them, "–" where nothing uses it."""
     flat = [dotted(that_matter(run.study)) for run in runs]
     keys = dict.fromkeys(key for values in flat for key in values)
-    texts = {key: [_written(values.get(key, "–")) for values in flat] for key in keys}
+    unset = [dict.fromkeys(inapplicable(run.study), "–") for run in runs]
+    every = list(zip(flat, unset, strict=True))
+    texts = {key: [_written(own.get(key, unused.get(key, "none"))) for own, unused in every] for key in keys}
     differ = {key: values for key, values in texts.items() if len(set(values)) > 1}
     return dict(sorted(differ.items(), key=lambda item: is_label(item[0])))  # seeds are said last
+
+
+def differences(groups: Sequence[Group[RunData]]) -> dict[str, list[list[str]]]:
+    """Map each dotted key in which runs differ to the values in each group, as people write them."""
+    starts = np.cumsum([0, *(len(group.rows) for group in groups)])
+    every = differing([run for group in groups for run in group.rows])
+    return {
+        key: [list(dict.fromkeys(map(_readable, values[a:b]))) for a, b in pairwise(starts)]
+        for key, values in every.items()
+    }
+
+
+def _readable(value: str) -> str:
+    """Write a value of a study as people do, a list of them without its brackets, and not too long."""
+    parts = [str(readable(part)).strip() for part in re.sub(r'[\[\]"]', "", value).split(", ")]
+    parts = [re.sub(r"(?<=\d )\S+$", lambda unit: printed(unit[0]), part) for part in parts]
+    text = ", ".join(re.sub(r"\.0(?= |$)", "", part) for part in parts)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 def _labels(runs: Sequence[RunData], differ: Mapping[str, list[str]]) -> list[str] | None:
@@ -176,20 +214,21 @@ def unlike(names: Sequence[str], taken: Sequence[str] = (), *, suffix: str = "")
     """Give names that differ from each other and from those taken. suffix: behind one that is taken."""
     seen = list(taken)
     for label in names:
-        name = label if label not in seen else f"{label}{suffix}"
-        count = 2
-        while name in seen:
-            name, count = f"{label} ({count})", count + 1
-        seen.append(name)
-        yield name
+        others = (f"{label} ({number})" for number in count(2))
+        seen.append(next(name for name in chain((label, f"{label}{suffix}"), others) if name not in seen))
+        yield seen[-1]
 
 
-def names_by_sentence(sentences: Iterable[tuple[RunData, str]]) -> dict[str, list[str]]:
-    """Map each sentence to the names of the runs that it is said of."""
+def told(sentences: Iterable[tuple[RunData, str]], number: int, *, of_all: bool = True) -> Iterator[str]:
+    """Say each sentence once, with the names of the runs that it is said of.
+
+    number: of all runs. of_all: whether their names stand before what is said of all of them.
+    """
     names: dict[str, list[str]] = {}
     for run, sentence in sentences:
         names.setdefault(sentence, []).append(run.name)
-    return names
+    for sentence, who in names.items():
+        yield sentence if len(who) == number and not of_all else f"{listed(who, number)}: {sentence}"
 
 
 def listed(names: Sequence[str], number: int) -> str:

@@ -83,7 +83,7 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
 
     Raises InputError where no scar is found, no run has a whole field of wear, or sizes differ as units do.
     """
-    known = [run for run in runs if run.wear]
+    known = [run for run in runs if "profile_disc" in run.courses]
     if not known:
         raise InputError("--scar needs a run with a snapshot of its whole field to compare with")
     worn = worn_in(files.after, "scar", files.preparation, before=files.before)
@@ -240,16 +240,3 @@ def _rows_computed(scar: ScarComparison, computed: ComputedScar) -> list[Row]:
         Row("depths differ by", "rms_um", depths, digits=3, note="(rms in the scar)"),
         Row("profiles by", "profile_rms_um", profiles, digits=3, error=each, note=of_each),
     ]
-
-
-def answers_of(scar: ScarComparison) -> dict[str, Any]:
-    """Return head and rows of the page's table: measured and computed."""
-    m = scar.measured
-    head = ["", "along, mm", "across, mm", "net volume lost, mm³", "measured − computed, mm³", "Sq, µm"]
-    net = f"{m.net:.4g} ± {m.net_error:.2g}"
-    rows = [["measured", f"{m.along:.4g}", f"{m.across:.4g}", net, "", f"{scar.sq:.3g}"]]
-    for c in scar.computed:
-        gap = f"{m.net - c.volume:.3g} ± {m.net_error:.2g}".replace("-", "−")
-        sq = "–" if math.isnan(c.sq) else f"{c.sq:.3g}"
-        rows.append([c.name, f"{c.along:.4g}", f"{c.across:.4g}", f"{c.volume:.4g}", gap, sq])
-    return {"head": head, "rows": rows}

@@ -1,16 +1,17 @@
 """Write the table of a comparison: for the terminal, as CSV and as JSON."""
 
-import csv
-import statistics
-from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from warpwear.comparison.gather import Comparison, shape_of
 from warpwear.comparison.groups import RunData
-from warpwear.comparison.scar import lines_of, record_of
+from warpwear.comparison.scar import ScarComparison, lines_of, record_of
+from warpwear.ensembles.ensemble import Ensemble
+from warpwear.ensembles.page import titled, with_scatter
+from warpwear.ensembles.table import write_csv
 from warpwear.history.end_values import ENDS, Value
-from warpwear.measured.experiment import Experiment
-from warpwear.results.report import aligned, quoted, shown, to_json, without_nan
+from warpwear.history.quantities import Quantity
+from warpwear.results.report import aligned, shown, to_json, without_nan
 from warpwear.version import __version__
 
 SHAPES = (
@@ -26,133 +27,91 @@ PASSES = (
 
 #: Said where groups have several runs.
 BANDS = "Of several runs: mean ± standard deviation; figures show the mean and a band of 5 to 95 % of them."
-#: Smaller numbers are shown as 0 in the terminal.
-ROUND_OFF = 1.0e-12
 #: Columns of values -> their units, without those of experiments.
 UNITS = {name: quantity.units for name, quantity in ENDS.items()}
 
 
-def columns(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[str, Value]]:
+@dataclass(frozen=True, eq=False)
+class Comparison(Ensemble[RunData]):
+    """Hold runs in groups, experiments, what is to be said about them, and a measured scar beside theirs."""
+
+    notes: tuple[str, ...] = ()
+    scar: ScarComparison | None = None
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Return all end values, and the differences from each experiment, by the names of columns."""
+        names = {f"rms_cof {e.name}": f"CoF − {e.name} (rms)" for e in self.experiments}
+        rms = {name: replace(ENDS["cof"], name=name, label=label) for name, label in names.items()}
+        return ENDS | rms
+
+    @property
+    def readings(self) -> list[str]:
+        """Say how the table is read: of bands, and of swept runs."""
+        is_swept = any(run.study.is_swept for run in self.rows)
+        return [BANDS] * self.has_bands + [PASSES] * is_swept
+
+
+def values_of(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[str, Value]]:
     """Find all values: name of a group or an experiment -> by the names of end values and 'rms_cof NAME'.
 
     Of several runs they are means over those that have a value, or with scatter standard deviations, None of
     fewer than two.
     """
-    of_several = _scatter if scatter else _mean
     table: dict[str, dict[str, Value]] = {}
-    for group in comparison.groups:
-        each = [_of_run(run, comparison) for run in group.runs]
-        values = {name: of_several([row[name] for row in each]) for name in each[0]}
-        table[group.name] = {"kind": "run", "runs": len(group.runs), **values}
-    for e in comparison.experiments:
-        values = dict.fromkeys(ENDS) | ({} if scatter else _of_experiment(e))
-        table[e.name] = {"kind": "experiment", "runs": None, **values}
+    for group in comparison.all_groups:
+        of = group.deviation if scatter else group.mean
+        table[group.name] = {"kind": group.kind, "runs": group.count}
+        table[group.name] |= {name: of(name) for name in comparison.quantities}
     return table
-
-
-def _of_run(run: RunData, comparison: Comparison) -> dict[str, Value]:
-    """Find the end values of a run, and how it differs from each experiment."""
-    values = {name: getattr(run.summary, name) for name in ENDS}
-    return values | {f"rms_cof {e.name}": comparison.rms(run, e) for e in comparison.experiments}
-
-
-def _of_experiment(experiment: Experiment) -> dict[str, Value]:
-    """Find the end values that a measured course has."""
-    distance, steps = float(experiment.distance[-1]), experiment.distance.size
-    return {"distance": distance, "steps": steps, "cof": experiment.final_cof, **shape_of(experiment)}
-
-
-def _mean(values: Sequence[Value]) -> Value:
-    """Return the value of one run; of several the mean of numbers, and words as often as they differ."""
-    known = list(dict.fromkeys(value for value in values if value is not None))
-    if len(known) < 2:
-        return known[0] if known else None
-    numbers = [value for value in values if isinstance(value, int | float)]
-    return statistics.fmean(numbers) if numbers else ", ".join(map(str, known))
-
-
-def _scatter(values: Sequence[Value]) -> Value:
-    """Return the standard deviation of two numbers or more."""
-    numbers = [value for value in values if isinstance(value, int | float)]
-    return statistics.stdev(numbers) if len(numbers) > 1 else None
-
-
-def has_bands(comparison: Comparison) -> bool:
-    """Tell whether any group has several runs."""
-    return any(len(group.runs) > 1 for group in comparison.groups)
 
 
 def to_text(comparison: Comparison) -> str:
     """Write table and notes for a terminal: a line a quantity, a column a group of runs or an experiment."""
-    table, scatter = columns(comparison), columns(comparison, scatter=True)
-    bands = has_bands(comparison)
-    labels = {"runs": "runs"} if bands else {}
-    labels |= {name: f"{q.label}, {q.unit}".removesuffix(", ") for name, q in ENDS.items()}
-    labels |= {f"rms_cof {e.name}": f"CoF − {e.name} (rms)" for e in comparison.experiments}
-    cells = [["", *table]]
-    for key, label in labels.items():
-        values = [table[name].get(key) for name in table]
-        if any(value is not None for value in values):
-            errors = [scatter[name].get(key) if key != "runs" else None for name in table]
-            factor = ENDS[key].factor if key in ENDS else 1.0
-            cells.append([label, *(with_scatter(*both, factor) for both in zip(values, errors, strict=True))])
-    sentences = [BANDS] if bands else []
+    groups = comparison.all_groups
+    cells = [["", *(group.name for group in groups)]]
+    if comparison.has_bands:
+        cells.append(["runs", *(shown(group.count) for group in groups)])
+    for name, quantity in comparison.quantities.items():
+        if any(group.mean(name) is not None for group in groups):
+            cells.append([titled(quantity), *(with_scatter(group, quantity) for group in groups)])
+    sentences = comparison.readings
     if comparison.experiments:
         sentences.append("CoF at the end of an experiment: mean over the last tenth of its distance.")
-    if any(run.study.is_swept for run in comparison.runs):
-        sentences.append(PASSES)
     if comparison.scar is not None:
         sentences += lines_of(comparison.scar)
     notes = [f"note: {note}" for note in comparison.notes]
     return "\n".join([*aligned(cells), *sentences, SHAPES, *notes])
 
 
-def write_csv(comparison: Comparison, path: Path) -> None:
+def write_table(comparison: Comparison, path: Path) -> None:
     """Write a row a group of runs or an experiment, with units in the header.
 
     Where groups have several runs, also standard deviations, the number of runs and their folders.
     """
-    names = UNITS | {f"rms_cof {e.name}": "1" for e in comparison.experiments}
-    table, scatter = columns(comparison), columns(comparison, scatter=True)
-    folders = {group.name: [str(run.folder) for run in group.runs] for group in comparison.groups}
-    header = ["name", "kind", *(f"{name} [{units}]" for name, units in names.items())]
-    if bands := has_bands(comparison):
-        header += [*(f"{name}_std [{units}]" for name, units in names.items()), "runs", "folders"]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        for name, values in table.items():
-            cells = [values.get(key) for key in names]
-            if bands:
-                cells += [scatter[name].get(key) for key in names]
-                cells += [values["runs"], "; ".join(folders.get(name, []))]
-            cells = [without_nan(cell) for cell in cells]
-            written = ["" if v is None else quoted(v) if isinstance(v, str) else f"{v:.12g}" for v in cells]
-            writer.writerow([quoted(name), values["kind"], *written])
+    groups, units = comparison.all_groups, {n: q.units for n, q in comparison.quantities.items()}
+    table: dict[str, list[Any]] = {"name": [g.name for g in groups], "kind": [g.kind for g in groups]}
+    table |= {f"{name} [{unit}]": [g.mean(name) for g in groups] for name, unit in units.items()}
+    if comparison.has_bands:
+        table |= {f"{name}_std [{unit}]": [g.deviation(name) for g in groups] for name, unit in units.items()}
+        folders = {group.name: [str(run.folder) for run in group.rows] for group in comparison.groups}
+        table["runs"] = [group.count for group in groups]
+        table["folders"] = ["; ".join(folders.get(group.name, ())) for group in groups]
+    write_csv({name: without_nan(column) for name, column in table.items()}, path)
 
 
 def write_json(comparison: Comparison, path: Path) -> None:
     """Write the table with units, notes and where the runs lie."""
     content = {
-        "comparison": columns(comparison),
-        "standard_deviation": columns(comparison, scatter=True) if has_bands(comparison) else {},
-        "groups": {group.name: [run.name for run in group.runs] for group in comparison.groups},
-        "folders": {run.name: str(run.folder) for run in comparison.runs},
+        "comparison": values_of(comparison),
+        "standard_deviation": values_of(comparison, scatter=True) if comparison.has_bands else {},
+        "groups": {group.name: [run.name for run in group.rows] for group in comparison.groups},
+        "folders": {run.name: str(run.folder) for run in comparison.rows},
         "units": UNITS,
         "shapes": SHAPES,
-        "end_values": {run.name: run.summary.end_values for run in comparison.runs},
+        "end_values": {run.name: run.summary.end_values for run in comparison.rows},
         "notes": comparison.notes,
         "scar": None if comparison.scar is None else record_of(comparison.scar),
         "version": __version__,
     }
     path.write_text(f"{to_json(content)}\n", encoding="utf-8")
-
-
-def with_scatter(value: Value, scatter: Value, factor: float) -> str:
-    """Write a value for people with its standard deviation; round-off is 0, and left out of the latter."""
-    if not isinstance(value, float):
-        return shown(value)
-    text = "0" if abs(value) <= ROUND_OFF else shown(factor * value)
-    if isinstance(scatter, float) and scatter > 1e-9 * abs(value):
-        return f"{text} ± {factor * scatter:.2g}"
-    return text

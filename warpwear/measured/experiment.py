@@ -19,6 +19,11 @@ class Experiment:
     warnings: tuple[str, ...] = ()  # what makes the whole doubtful, each a sentence
 
     @property
+    def course(self) -> tuple[FloatArray, FloatArray]:
+        """Return distances and coefficients."""
+        return self.distance, self.cof
+
+    @property
     def final_cof(self) -> float:
         """Return the mean coefficient over the last tenth of the distance."""
         return mean_of_last_tenth(self.distance, self.cof)

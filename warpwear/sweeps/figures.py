@@ -2,19 +2,22 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from warpwear.batches.plan import Plan
+from warpwear.ensembles.ensemble import Ensemble, Group
+from warpwear.ensembles.figures import OVERLAID, chart_of, figure_of
 from warpwear.figures import describe
-from warpwear.figures.courses import OVERLAID, Course, over_each_other
 from warpwear.figures.describe import Axis, Bars, Chart, Figure, HeatMap, Line, Look
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
 from warpwear.measured.experiment import Experiment
-from warpwear.results.ensemble import band_told, in_legend, is_label
-from warpwear.sweeps.table import SweepResult
+from warpwear.results.ensemble import in_legend, is_label
+from warpwear.sweeps.table import SweepResult, SweepRow
 
 #: Numbers with a power of ten.
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
@@ -50,37 +53,25 @@ def figures_of(result: SweepResult, experiments: Sequence[Experiment] = ()) -> d
 def quantities_of(result: SweepResult) -> list[Quantity]:
     """Choose the quantities that are laid over each other and that any run has."""
     every = [quantity for of_figure in OVERLAID.values() for quantity in of_figure]
-    return [q for q in every if result.distance.size and np.isfinite(result.courses(q.name)).any()]
+    return [q for q in every if np.isfinite(result.courses(q.name)).any()]
 
 
-def groups_of(result: SweepResult) -> list[tuple[str, list[int]]]:
-    """List the groups of runs that are drawn one by one: label, and numbers of the runs."""
-    known = result.plan.groups.items()
-    return [(label, runs) for label, runs in known if any(result.rows[r].courses for r in runs)][:MOST_GROUPS]
+def drawn(result: SweepResult, experiments: Sequence[Experiment] = ()) -> Ensemble[SweepRow]:
+    """Choose the groups that are drawn one by one."""
+    ensemble = result.ensemble(experiments)
+    known = [group for group in ensemble.groups if any(run.courses for run in group.rows)]
+    return replace(ensemble, groups=tuple(known[:MOST_GROUPS]))
 
 
 def courses(
     result: SweepResult, quantities: Sequence[Quantity], experiments: Sequence[Experiment] = ()
 ) -> Figure:
     """Courses: the mean of each group over the distance slid, and a band of 5 to 95 % of its runs."""
-    groups = groups_of(result)
-    looks, names = _looks(result, groups)
-    labels = [""] * len(groups) if names else [in_legend(label or "mean of all runs") for label, _ in groups]
-    measured = [
-        Line(e.distance, e.cof, in_legend(e.name), describe.look_of_measured(number))
-        for number, e in enumerate(experiments)
-    ]
-    charts: list[Chart] = []
-    for quantity in quantities:
-        lines = [
-            Course(label, look, result.distance, result.courses(quantity.name)[runs], name)
-            for (name, runs), label, look in zip(groups, labels, looks, strict=True)
-        ]
-        more = [*names, *(measured if quantity.name == "cof" else [])]
-        note = "" if charts else band_told([len(runs) for _, runs in groups])
-        charts.append(over_each_other(quantity, lines, more=more, note=note))
-    several = len(groups) > 1 or experiments
-    return Figure(charts, columns=min(2, len(charts)), legend=len(groups) * bool(several))
+    ensemble = drawn(result, experiments)
+    looks, names = _looks(result.plan, ensemble.groups)
+    charts = [chart_of(ensemble, quantity, looks=looks, names=names) for quantity in quantities]
+    studies = [run.point.study for run in ensemble.rows if run.point.study]
+    return figure_of(ensemble, charts, studies, columns=min(2, len(charts)))
 
 
 def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[FloatArray, str]]) -> Figure:
@@ -137,19 +128,18 @@ def _varied(result: SweepResult) -> dict[str, tuple[FloatArray, str]]:
     return {key: number for key, number in numbers.items() if np.unique(number[0]).size > 1}
 
 
-def _looks(result: SweepResult, groups: list[tuple[str, list[int]]]) -> tuple[list[Look], list[Line]]:
+def _looks(plan: Plan, groups: Sequence[Group[SweepRow]]) -> tuple[list[Look], list[Line]]:
     """Choose a line for each group, and names of values for the legend where it does not name the groups.
 
     Groups of two keys have a colour for each value of the one and a kind of line for each of the other: a
     pale broad line is seen under a dark broken one where a key changes nothing.
     """
-    plan = result.plan
     names = {key: name for key, name in plan.names.items() if key not in plan.band_over}
-    values = [{key: str(plan.points[runs[0]].values[key]) for key in names} for _, runs in groups]
+    values = [{key: str(group.rows[0].point.values[key]) for key in names} for group in groups]
     levels = {key: list(dict.fromkeys(point[key] for point in values)) for key in names}
     two = sorted(names, key=lambda key: -len(levels[key]))
     if len(two) != 2 or len(levels[two[0]]) > len(COLOURS) or len(levels[two[1]]) > len(KINDS):
-        return [describe.look_of_group(index) for index in range(len(groups))], []
+        return [], []
     colours, kinds = (levels[key] for key in two)
     shades = np.linspace(0.0, 0.9, len(kinds))
 

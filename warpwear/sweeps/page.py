@@ -3,24 +3,24 @@
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpwear.batches.batch import RUNS
 from warpwear.batches.design import SAMPLED, Factor
-from warpwear.figures.sections import PageSection, under_headings
+from warpwear.ensembles.ensemble import Group
+from warpwear.ensembles.page import answers_of, known_answers, link_to, titled
+from warpwear.figures.sections import under_headings
 from warpwear.figures.wording import few_of, listed
-from warpwear.history.end_values import ENDS
-from warpwear.history.quantities import BY_NAME
+from warpwear.history.quantities import Quantity
 from warpwear.measured.experiment import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
-from warpwear.results import manifest
-from warpwear.results.ensemble import band, is_label
-from warpwear.sweeps.figures import figures_of, groups_of
-from warpwear.sweeps.table import SweepResult
+from warpwear.results.ensemble import is_label
+from warpwear.sweeps.figures import drawn, figures_of
+from warpwear.sweeps.table import SweepResult, SweepRow
 
 #: Rows of the table that the page shows; values of a key that it lists.
 MOST_ROWS, MOST_VALUES = 200, 12
@@ -35,39 +35,37 @@ SECTIONS = (
     ("What decides them", "indices", ("tornado",), ""),
     ("At the end, over what was varied", "ends", ("scatter", "heat_map"), ""),
 )
-#: End values at the top and in the table of runs.
-ANSWERS = (
-    *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
-    BY_NAME["wear_volume_disc"],
-    ENDS["cof"],
-)
+#: What is no prediction.
+NOTES = {
+    "cof": "Not predicted: area × shear strength over load",
+    **dict.fromkeys(("volume_counter", "volume_disc"), "Not predicted: wear coefficient × load × distance"),
+}
+AN_INPUT = "An input: constant, or its shear strength is fitted so that it is met"
 
 
 def page(result: SweepResult, pictures: Mapping[str, bytes], experiments: Sequence[Experiment]) -> bytes:
     """Make the page. pictures: name of a figure -> PNG file."""
-    plan = result.plan
+    plan, ensemble, everyone = result.plan, result.ensemble(experiments), Group("", tuple(result.runs))
     total, done = len(result.rows), sum(row.status == "done" for row in result.rows)
-    assumed = {key: why for key, why in plan.study.assumptions.items() if key not in plan.keys}
+    inputs = {group.name for group in ensemble.groups} if plan.study.friction.ends_as_given else set()
+    known, figures = known_answers([everyone]), figures_of(result, experiments)
     content = {
         "name": f"{plan.study.study.name}: sweep",
         "description": plan.study.study.description,
         "asked": f"{done} of {total} runs of one study, over {listed(plan.keys)}: how far do the answers "
         "reach, and what decides them?",
-        "answers": _answers(result),
+        "cards": [_card(result, everyone, quantity) for quantity in known],
+        "answers": answers_of(ensemble, inputs),
         "decides": _decides(result),
         "factors": [(f.key, _values_of(f), f.key in plan.band_over) for f in plan.factors],
         "design": plan.design,
         "limits": limits_of(plan.study),
-        "assumptions": assumed,
-        "rows": _rows(result),
-        "columns": [
-            *plan.names.values(),
-            *(f"{answer.label.capitalize()}, {answer.unit}".removesuffix(", ") for answer in ANSWERS),
-        ],
+        "assumptions": {key: why for key, why in plan.study.assumptions.items() if key not in plan.keys},
+        "rows": [_row(result, run, known) for run in result.runs[:MOST_ROWS]],
+        "columns": [*plan.names.values(), *map(titled, known)],
         "total": total,
         "study": plan.study.to_toml(),
-        "sections": _sections(result, experiments),
-        "groups": group_rows(result),
+        "sections": under_headings(figures, SECTIONS, one_legend=drawn(result, experiments).one_legend),
         "failed": failures(result),
     }
     return page_of("sweep.html", content, pictures)
@@ -80,33 +78,24 @@ def _values_of(factor: Factor) -> str:
     return few_of([f"{v:g}" if isinstance(v, float) else str(v) for v in factor.values], MOST_VALUES)
 
 
-def _answers(result: SweepResult) -> list[Answer]:
-    """Give the numbers at the top: mean and band of a sampled design, least and most of a listed one."""
-    answers = []
-    notes = {
-        "cof": "Not predicted: area × shear strength over load",
-        "wear_volume_disc": "Not predicted: wear coefficient × load × distance",
-    }
-    if result.plan.study.friction.ends_as_given:
-        notes["cof"] = "An input: constant, or its shear strength is fitted so that it is met"
-    for answer in ANSWERS:
-        if (values := result.known_ends(answer.name)) is None:
-            continue
-        known = answer.scaled(values[np.isfinite(values)])
-        if result.plan.design.kind in SAMPLED:
-            mean, low, high = (float(part[0]) for part in band(known[:, None]))
-            text, error = f"{mean:.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
-        else:
-            text = f"{known.min():.3g} to {known.max():.3g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
-            error = f"least and most of {known.size} runs"
-        note = notes.get(answer.name, "")
-        answers.append(Answer(answer.label.capitalize(), text, answer.unit, error, input_note=note))
-    return answers
+def _card(result: SweepResult, everyone: Group[SweepRow], quantity: Quantity) -> Answer:
+    """Give a number at the top: mean and band of a sampled design, least and most of a listed one."""
+    known = [quantity.factor * value for value in everyone.numbers(quantity.name)]
+    if result.plan.design.kind in SAMPLED:
+        mean, low, high = (quantity.factor * value for value in everyone.band(quantity.name))
+        text, error = f"{mean:.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
+    else:
+        least, most = min(known), max(known)
+        text = f"{least:.3g} to {most:.3g}" if least < most else f"{least:.4g}"
+        error = f"least and most of {len(known)} runs"
+    is_input = quantity.name == "cof" and result.plan.study.friction.ends_as_given
+    note = AN_INPUT if is_input else NOTES.get(quantity.name, "")
+    return Answer(quantity.label.capitalize(), text, quantity.unit, error, input_note=note)
 
 
 def _decides(result: SweepResult) -> str:
     """Say in a sentence which key decides the coefficient of friction most."""
-    if len(result.plan.keys) < 2 or result.known_ends("cof") is None:
+    if len(result.plan.keys) < 2 or not Group("", tuple(result.runs)).numbers("cof"):
         return ""
     key, value = next(iter(result.influence().items()))
     if not np.isfinite(value) or value == 0.0:
@@ -118,43 +107,24 @@ def _decides(result: SweepResult) -> str:
     return f"The coefficient of friction at the end hangs most on {key}: {what} {words}.{doubt}"
 
 
-def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[PageSection]:
-    """Lay the figures under headings."""
-    several = len(groups_of(result)) + len(experiments) > 1
-    figures, one_legend = figures_of(result, experiments), ("courses",) if several else ()
-    return under_headings(figures, SECTIONS, one_legend=one_legend)
-
-
-def group_rows(result: SweepResult) -> list[dict[str, Any]]:
-    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
-    ends, rows = result.known_ends("cof"), []
-    for label, runs in result.plan.groups.items():
-        values = np.full((len(runs), 1), np.nan) if ends is None else ends[runs][:, None]
-        mean, low, high = (float(part[0]) for part in band(values))
-        rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
-    return rows
-
-
 def failures(result: SweepResult) -> list[str]:
     """Return the sentences of runs that did not end as asked, each once, with their number."""
     counted = Counter(row.status for row in result.rows if row.status != "done")
     return [f"{count} × {status}" for status, count in counted.most_common(MOST_FAILURES)]
 
 
-def _rows(result: SweepResult) -> list[dict[str, Any]]:
-    """Rows of the table of runs: what was varied, how it ended, and where its page or folder lies."""
-    unknown, rows = np.full(len(result.rows), np.nan), []
-    known = [result.known_ends(answer.name) for answer in ANSWERS]
-    ends = [a.factor * (unknown if v is None else v) for a, v in zip(ANSWERS, known, strict=True)]
-    for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
-        values = [float(column[point.number]) for column in ends]
-        varied = [
-            _short(v) if isinstance(v, str) else v if isinstance(v, int | float) else ", ".join(map(str, v))
-            for v in point.values.values()
-        ]
-        link = _link(result.folder, point.run)
-        rows.append({"cells": [*varied, *values], "status": row.status, "link": link})
-    return rows
+def _row(result: SweepResult, run: SweepRow, known: Sequence[Quantity]) -> dict[str, Any]:
+    """Fill a row of the table of runs: what was varied, how it ended, and where its page or folder lies."""
+    cells: list[Any] = [
+        _short(v) if isinstance(v, str) else v if isinstance(v, int | float) else ", ".join(map(str, v))
+        for v in run.point.values.values()
+    ]
+    ends = ((run.ends.get(quantity.name), quantity.factor) for quantity in known)
+    cells += [factor * value if isinstance(value, int | float) else None for value, factor in ends]
+    place = result.folder / RUNS / run.name if result.folder and run.point.run else None
+    # Not of pathlib, whose questions raise where they must not look.
+    link = link_to(place, place.parents[1]) if place and os.path.isdir(place) else ""
+    return {"cells": cells, "status": run.status, "link": link}
 
 
 def _short(text: str) -> str:
@@ -164,12 +134,3 @@ def _short(text: str) -> str:
         return f"{float(number):.5g}{space}{unit}" if len(number) > LONG else text
     except ValueError:
         return text
-
-
-def _link(folder: Path | None, run: str) -> str:
-    """Find a run's own page beside the sweep's, or else its folder; return nothing where it has none."""
-    # Not of pathlib, whose questions raise where they must not look.
-    if folder is None or not run or not os.path.isdir(folder / "runs" / run):
-        return ""
-    page = f"runs/{run}/{manifest.PAGE}"
-    return page if os.path.isfile(folder / page) else f"runs/{run}/"

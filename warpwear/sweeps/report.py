@@ -3,17 +3,17 @@
 import tempfile
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from warpwear.ensembles.ensemble import Group
 from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
 from warpwear.sweeps.figures import figures_of
-from warpwear.sweeps.page import MOST_FAILURES, failures, group_rows, page
-from warpwear.sweeps.table import TABLES, SweepResult
+from warpwear.sweeps.page import MOST_FAILURES, failures, page
+from warpwear.sweeps.table import TABLES, SweepResult, SweepRow
 
 #: The page of a sweep.
 PAGE = "sweep.html"
@@ -61,9 +61,9 @@ def summary_text(result: SweepResult) -> str:
     """Return the groups of a sweep and what decides the coefficient of friction, for the screen."""
     done = sum(row.status == "done" for row in result.rows)
     lines = [f"{done} of {len(result.rows)} runs done"]
-    rows = group_rows(result)
-    width = max(len(row["label"]) for row in rows)
-    lines += [f"{row['label']:<{width}}  {row['runs']:4d} runs   {_end_of(row)}" for row in rows]
+    groups = result.ensemble().groups
+    width = max(len(group.name) for group in groups)
+    lines += [f"{g.name:<{width}}  {len(g.rows):4d} runs   {_end_of(g)}" for g in groups]
     if len(result.plan.keys) > 1 and done > 1:
         indices, what = result.sobol(), "rank correlation; of words and seeds η²"
         what = what if indices is None else "Sobol's total index, 95 % interval"
@@ -85,12 +85,12 @@ def _without_influence(result: SweepResult) -> list[str]:
     return [f"{' and '.join(idle)} without influence at the end: {why}"]
 
 
-def _end_of(row: dict[str, Any]) -> str:
+def _end_of(group: Group[SweepRow]) -> str:
     """Return what the runs of a group came to, for the screen."""
-    if not np.isfinite(row["mean"]):
+    mean, low, high = group.band("cof")
+    if not np.isfinite(mean):
         return "no coefficient of friction"
-    band = f"   5–95 %: {row['low']:.4g} – {row['high']:.4g}" if row["runs"] > 1 else ""
-    return f"cof at the end {row['mean']:.4g}{band}"
+    return f"cof at the end {mean:.4g}" + f"   5–95 %: {low:.4g} – {high:.4g}" * (len(group.rows) > 1)
 
 
 def failed_sentence(result: SweepResult) -> str | None:

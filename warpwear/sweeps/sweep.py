@@ -16,6 +16,7 @@ from warpwear.batches.batch import (
 )
 from warpwear.batches.plan import Plan, read_plan
 from warpwear.batches.run_one import Row
+from warpwear.ensembles.table import read_csv
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.course import read_experiment
 from warpwear.measured.rows import Paths
@@ -159,9 +160,7 @@ def check_runs(plan: Plan, folder: Path) -> None:
     """
     path = folder / TABLES[0]
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.DictReader(file) if None not in row.values()]
-        stored = {row["run"] for row in rows if not row["status"].startswith("failed")}
+        stored = {row["run"] for row in read_csv(path) if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return
     except (OSError, UnicodeError, csv.Error, KeyError) as error:

@@ -1,9 +1,10 @@
 """What a sweep came to: a row a run, courses on one grid of distances, bands over groups of runs."""
 
-import csv
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,18 @@ import numpy as np
 from warpwear import lazy
 from warpwear.batches.batch import RUNS
 from warpwear.batches.plan import Plan
+from warpwear.batches.points import Point
 from warpwear.batches.run_one import Row
+from warpwear.ensembles.ensemble import Ensemble, EnsembleRow, Group
+from warpwear.ensembles.table import write_csv
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.laws.archard import BODIES
+from warpwear.measured.experiment import Experiment
 from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
 from warpwear.results.formats.netcdf import require_free_space
 from warpwear.results.frames import COLUMNS, described, package
-from warpwear.results.report import quoted
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
@@ -29,6 +34,14 @@ stats = lazy.module("scipy.stats")
 
 #: Tables of a sweep; every one that has ended has the first.
 TABLES = ("table.csv", "table.parquet", "sweep.nc")
+
+
+@dataclass(frozen=True, eq=False)
+class SweepRow(EnsembleRow):
+    """Hold what a point of a sweep came to; its end values include those of columns of the history."""
+
+    point: Point
+    status: str
 
 
 @dataclass(eq=False, repr=False)
@@ -55,7 +68,6 @@ class SweepResult:
     folder: Path | None = None
     cost: str = ""
     written: list[Path] = field(default_factory=list)
-    _courses: dict[str, FloatArray] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         done = sum(row.status == "done" for row in self.rows)
@@ -145,6 +157,24 @@ class SweepResult:
         known = [row.courses["distance"] for row in self.rows if row.courses]
         return max(known, key=lambda d: (d[-1], d.size)) if known else np.zeros(0)
 
+    @cached_property
+    def runs(self) -> list[SweepRow]:
+        """What each run came to, in the order of the plan."""
+        rows = []
+        for point, row in zip(self.plan.points, self.rows, strict=False):
+            ends = {name.partition(" [")[0]: None if math.isnan(v) else v for name, v in row.ends.items()}
+            ends |= {f"volume_{body}": ends.get(f"wear_volume_{body}") for body in BODIES}
+            distance = row.courses.get("distance", np.zeros(0))
+            courses = {name: (distance, values) for name, values in row.courses.items() if name != "distance"}
+            rows.append(SweepRow(point.run or f"run {point.number}", ends, courses, point, row.status))
+        return rows
+
+    def ensemble(self, experiments: Sequence[Experiment] = ()) -> Ensemble[SweepRow]:
+        """Put the runs into the groups of the plan, beside measured courses of friction."""
+        groups = self.plan.groups.items()
+        members = {label or "all runs": tuple(self.runs[n] for n in numbers) for label, numbers in groups}
+        return Ensemble(tuple(Group(label, rows) for label, rows in members.items()), tuple(experiments))
+
     def courses(self, name: str) -> FloatArray:
         """Return the courses of all runs of a column of the history.
 
@@ -158,14 +188,8 @@ class SweepResult:
         array
             Values over `distance`, shape (runs, distances); NaN where a run has none.
         """
-        if name not in self._courses:
-            places = self.distance
-            courses = np.full((len(self.rows), places.size), np.nan)
-            for line, row in zip(courses, self.rows, strict=True):
-                if name in row.courses:
-                    line[:] = at(places, row.courses["distance"], row.courses[name])
-            self._courses[name] = courses
-        return self._courses[name]
+        nowhere = self.distance, np.full(self.distance.size, np.nan)
+        return np.array([at(self.distance, *run.courses.get(name, nowhere)) for run in self.runs])
 
     def ends(self, name: str) -> FloatArray:
         """Return the end values of all runs.
@@ -185,16 +209,10 @@ class SweepResult:
         InputError
             For what is no end value.
         """
-        columns = {key.partition(" [")[0]: key for row in self.rows for key in row.ends}
-        column = name if name in columns.values() else columns.get(name)
-        if column is None:
-            raise InputError(f"'{name}' is no end value; there are {', '.join(columns)}.")
-        return np.array([row.ends.get(column, np.nan) for row in self.rows])
-
-    def known_ends(self, name: str) -> FloatArray | None:
-        """End values as of `ends`; None where no run has any."""
-        known = any(f"{name} [" in key for row in self.rows for key in row.ends)
-        return self.ends(name) if known and np.isfinite(self.ends(name)).any() else None
+        names, plain = dict.fromkeys(key for run in self.runs for key in run.ends), name.partition(" [")[0]
+        if plain not in names:
+            raise InputError(f"'{name}' is no end value; there are {', '.join(names)}.")
+        return np.array([run.ends.get(plain) for run in self.runs], np.float64)
 
     def band(self, name: str, runs: Sequence[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return mean and band of a column over some runs.
@@ -312,15 +330,9 @@ class SweepResult:
 
     def write_tables(self, folder: Path) -> None:
         """Write `TABLES`, the last two where their packages are installed. Raises OSError."""
-        table = self.table
-        with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(map(quoted, table))
-            for row in zip(*table.values(), strict=True):
-                cells = [quoted(v) if isinstance(v, str) else v for v in row]
-                writer.writerow([repr(v) if isinstance(v, float) else v for v in cells])
+        write_csv(self.table, folder / "table.csv")
         try:
-            pandas.DataFrame(table).to_parquet(folder / "table.parquet", index=False)
+            pandas.DataFrame(self.table).to_parquet(folder / "table.parquet", index=False)
             courses = self._dataset()
             require_free_space(folder / "sweep.nc", courses.nbytes)
             courses.to_netcdf(folder / "sweep.nc", engine="h5netcdf")
@@ -330,7 +342,7 @@ class SweepResult:
     def _dataset(self) -> Any:
         names = dict.fromkeys(name for row in self.rows for name in row.courses if name != "distance")
         coordinates: dict[str, Any] = {"distance": ("distance", self.distance, {"units": "mm"})}
-        coordinates["run"] = ("run", [point.run or f"run {point.number}" for point in self.plan.points])
+        coordinates["run"] = ("run", [run.name for run in self.runs])
         coordinates["status"] = ("run", [row.status for row in self.rows])
         for key in self.plan.keys:
             number = self.numbers(key)
