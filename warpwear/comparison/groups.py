@@ -23,7 +23,7 @@ from warpwear.result import Result
 from warpwear.results.ensemble import is_label, label_of, short_names, that_matter
 from warpwear.results.file import FILE_NAME
 from warpwear.results.track import course, groove, whole_steps
-from warpwear.study.keys import dotted, inapplicable
+from warpwear.study.keys import dotted
 from warpwear.study.study import Study
 from warpwear.study.text import readable
 
@@ -156,7 +156,7 @@ def differing(runs: Sequence[RunData]) -> dict[str, list[str]]:
     """Map each dotted key in which runs differ to its value in each of them, "–" where nothing uses it."""
     flat = [dotted(that_matter(run.study)) for run in runs]
     keys = dict.fromkeys(key for values in flat for key in values)
-    unset = [dict.fromkeys(inapplicable(run.study), "–") for run in runs]
+    unset = [dict.fromkeys(run.study.unused_keys, "–") for run in runs]
     every = list(zip(flat, unset, strict=True))
     texts = {key: [_written(own.get(key, unused.get(key, "none"))) for own, unused in every] for key in keys}
     differ = {key: values for key, values in texts.items() if len(set(values)) > 1}
