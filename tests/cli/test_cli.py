@@ -134,6 +134,7 @@ def test_listing_and_showing(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     listed, _ = told("studies")
     assert [line.split()[0] for line in listed.splitlines()] == [
         "coat",
+        "first",
         "running-in",
         "track",
         "two-scale",

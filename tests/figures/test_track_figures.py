@@ -239,7 +239,7 @@ def test_a_step_that_the_end_cuts_short_is_not_drawn(tmp_path: Path) -> None:
     shutil.copytree(tmp_path / "run", tmp_path / "other")
     compared = warpwear.compare(tmp_path / "run", tmp_path / "other").rows[0]
     assert compared.courses["area_contact"][0][-1] == history["distance"][-2]
-    assert compared.summary["distance_mm"] == history["distance"][-1]
+    assert compared.summary.distance == history["distance"][-1]
 
 
 def test_short_ends_of_passes_are_not_drawn() -> None:

@@ -70,7 +70,7 @@ def result() -> Result:
 def drawn(result: Result, critical: float | None) -> Any:
     data = FigureData(result)
     data.study = SimpleNamespace(  # type: ignore[assignment]
-        critical_junction=critical, critical_diameter=critical, cells=result.study.cells
+        pair=SimpleNamespace(critical_junction=critical, critical_diameter=critical), cells=result.study.cells
     )
     figure = paint(junctions(data))
     figure.canvas.draw()

@@ -70,7 +70,7 @@ def test_sentences_name_options_as_python_does(rough: Path, tmp_path: Path) -> N
         (lambda: warpwear.read_profile(rough, height_sign="dwn"), "height_sign = 'dwn' is not allowed"),
         (lambda: warpwear.compare(tmp_path, before=rough), "before needs scar"),
         (lambda: warpwear.compare(tmp_path), "compare needs two runs or more"),
-        (lambda: warpwear.new_study(like="skate"), "like is 'skate': allowed is block-on-ring"),
+        (lambda: warpwear.new_study(like="skate"), "like is 'skate': allowed is reciprocating"),
         (lambda: warpwear.new_study(rough.with_suffix(".txt")), "a study is a file named .toml"),
     ):
         with pytest.raises(warpwear.InputError) as error:

@@ -196,7 +196,7 @@ def test_a_named_stroke_slides_and_chooses_its_steps() -> None:
     study = study_of(16).replace({"sliding.shift": None})
     assert study.resolved["sliding.kinematics"] == "swept"
     assert study.resolved["sliding.shift"] == 2
-    assert "shift = 2" in warpwear.study.text.to_marked_toml(study)
+    assert "shift = 2" in study.to_toml(marked=True)
     assert Study(**{**study.model_dump(exclude_unset=True)}) == study
     still = study.replace({"sliding.kinematics": "stationary"})
     assert not still.is_swept

@@ -272,4 +272,4 @@ def test_keys_of_the_other_law_are_told() -> None:
     given = study(contact__boundary="free")
     assert re.search(r'^boundary = "free"$', given.to_toml(marked=True), re.MULTILINE)
     assert "boundary" not in study(contact__law="local").to_toml(marked=True)
-    assert math.isinf(again.stiffness)
+    assert math.isinf(again.pair.stiffness)
