@@ -33,10 +33,6 @@ MOST_FILES, MOST_PARAMETERS = 20, 10
 LONG = {
     "warpwear/contact/array/solve.py: solve_contact": "each is a number of the contact that is named",
 }
-#: Names that still stand for more than one class; the list may only become shorter.
-TWINS = {
-    "Row",
-}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -149,9 +145,7 @@ def test_a_class_name_stands_for_one_class() -> None:
             if isinstance(node, ast.ClassDef):
                 places.setdefault(node.name, []).append(f"{path}:{node.lineno}")
     twins = {name: where for name, where in places.items() if len(where) > 1}
-    found = {name: where for name, where in twins.items() if name not in TWINS}
-    assert not found, f"names of more than one class: {found}"
-    assert set(twins) >= TWINS, f"have become names of one class, and leave TWINS: {TWINS - set(twins)}"
+    assert not twins, f"names of more than one class: {twins}"
 
 
 def test_kernels_are_launched_by_programs() -> None:

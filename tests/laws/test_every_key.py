@@ -14,7 +14,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.batches.run_one import Row, RunTask, run_one
+from warpwear.batches.run_one import RunRow, RunTask, run_one
 from warpwear.calibration.bayes.data import Data, MeasuredValue
 from warpwear.calibration.bayes.infer import _check_unknowns
 from warpwear.calibration.bayes.model import ForwardModel
@@ -195,11 +195,11 @@ def refusal(pair: Pair, consumer: str, call: Callable[[], Any]) -> bool:
 
 
 @pytest.fixture(scope="module")
-def said_of() -> Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]:
+def said_of() -> Callable[[Study, Path, Result], tuple[dict[str, Any], RunRow]]:
     """Tell what a page and LaTeX say of a run, and its row in a sweep; once, for cases begin alike."""
-    said: dict[Path, tuple[dict[str, Any], Row]] = {}
+    said: dict[Path, tuple[dict[str, Any], RunRow]] = {}
 
-    def say(study: Study, folder: Path, run: Result) -> tuple[dict[str, Any], Row]:
+    def say(study: Study, folder: Path, run: Result) -> tuple[dict[str, Any], RunRow]:
         if folder not in said:
             row = run_one(RunTask(study.to_toml(), str(folder), "cpu"))
             said[folder] = words_of(run), row
@@ -209,7 +209,7 @@ def said_of() -> Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]:
 
 
 def test_a_key_changes_the_run_and_what_is_said_of_it(
-    pair: Pair, said_of: Callable[[Study, Path, Result], tuple[dict[str, Any], Row]]
+    pair: Pair, said_of: Callable[[Study, Path, Result], tuple[dict[str, Any], RunRow]]
 ) -> None:
     """Run, page, LaTeX, row of a sweep and comparison."""
     before, after = (result.history for result in pair.results)

@@ -11,7 +11,7 @@ import warpwear
 from warpwear import InputError, Study, StudyWarning
 from warpwear.batches.batch import Count
 from warpwear.batches.plan import Plan, section_of
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.cli.main import commands
 from warpwear.engine.workers import Here
 from warpwear.results import manifest
@@ -29,7 +29,7 @@ def planned(*loads: str) -> Plan:
 
 def written(folder: Path, plan: Plan) -> Path:
     """A folder with the table of a plan whose runs are said to be done."""
-    rows = [Row("done", 0.1) if point.study else Row("failed") for point in plan.points]
+    rows = [RunRow("done", 0.1) if point.study else RunRow("failed") for point in plan.points]
     SweepResult(plan, rows, folder).write_tables(folder)
     manifest.write(folder, TABLES)
     return folder
@@ -77,7 +77,7 @@ def test_a_table_that_another_program_saved_is_not_overwritten(
 
 def test_runs_that_failed_are_no_loss(tmp_path: Path) -> None:
     plan = planned("4 N", "8 N")
-    SweepResult(plan, [Row("done", 0.1), Row("failed: no")], tmp_path).write_tables(tmp_path)
+    SweepResult(plan, [RunRow("done", 0.1), RunRow("failed: no")], tmp_path).write_tables(tmp_path)
     check_runs(planned("4 N", "7 N"), tmp_path)
 
 
@@ -93,10 +93,10 @@ def test_the_time_left_is_that_of_runs_that_are_made(monkeypatch: pytest.MonkeyP
     now = iter([0.0, 1.0, 2.0, 12.0])
     monkeypatch.setattr("warpwear.batches.batch.time.monotonic", lambda: next(now))
     counted = Count(5)
-    there = Row("done", 10.0, was_there=True)
+    there = RunRow("done", 10.0, was_there=True)
     assert counted.one(there) == "1 of 5 runs, the last done; 1 s gone"
     assert counted.one(there).endswith("2 s gone")
-    assert counted.one(Row("done", 10.0)).endswith("12 s gone, about 24 s left")
+    assert counted.one(RunRow("done", 10.0)).endswith("12 s gone, about 24 s left")
 
 
 def test_a_failed_run_has_its_place(tmp_path: Path) -> None:

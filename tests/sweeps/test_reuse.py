@@ -11,7 +11,7 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.batches.batch import RUNS, make_runs
 from warpwear.batches.plan import Plan, section_of
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.engine.workers import Here
 
 
@@ -30,7 +30,7 @@ def planned(path: Path) -> Plan:
     return Plan(measured(path), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
 
 
-def only(rows: list[Row]) -> Row:
+def only(rows: list[RunRow]) -> RunRow:
     (row,) = rows
     return row
 

@@ -16,7 +16,7 @@ from warpwear import InputError
 from warpwear.batches.batch import make_runs
 from warpwear.batches.plan import Plan, section_of
 from warpwear.batches.points import task_of
-from warpwear.batches.run_one import Row, run_one
+from warpwear.batches.run_one import RunRow, run_one
 from warpwear.engine.workers import Here, WorkerDiedError, Workers, local_workers
 from warpwear.results.folder import LOCK
 
@@ -63,10 +63,10 @@ def test_run_that_takes_far_longer_than_the_others_is_told(tmp_path: Path) -> No
     plan = Plan(small(), section_of({"vary": {"contact.load": ["4 N", "8 N"]}}, {}))
     hanging = threading.Event()
 
-    def make(number: int) -> Row:
+    def make(number: int) -> RunRow:
         if number == 1:
             assert hanging.wait(60.0)
-        return Row("done", 0.01)
+        return RunRow("done", 0.01)
 
     class Hangs(Executor):
         pool, made = ThreadPoolExecutor(2), iter(range(2))

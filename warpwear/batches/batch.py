@@ -13,7 +13,7 @@ from typing import Any, Literal
 from warpwear.batches.cluster import connected
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import task_of
-from warpwear.batches.run_one import Row, RunTask, is_there, run_one
+from warpwear.batches.run_one import RunRow, RunTask, is_there, run_one
 from warpwear.engine.device import find_device, gpu_count, usable_cores
 from warpwear.engine.workers import WorkerDiedError, local_workers
 from warpwear.errors import InputError, explained
@@ -41,7 +41,7 @@ class Count:
         self._runs, self._done, self._made = runs, 0, 0
         self._began = time.monotonic()
 
-    def one(self, row: Row) -> str:
+    def one(self, row: RunRow) -> str:
         """Count a run and say how many are done, how it ended and how long the others may take."""
         self._done += 1
         self._made += row.seconds > 0.0 and not row.was_there  # others took no time
@@ -50,7 +50,7 @@ class Count:
         return f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone{left}"
 
 
-def make_all(plan: Plan, folder: Path) -> list[Row]:
+def make_all(plan: Plan, folder: Path) -> list[RunRow]:
     """Make the runs of a plan by processes here, one a core, and log each; see `make_runs`."""
     with local_executor(plan) as (pool, threads, _):
         return make_runs(plan, folder, pool, threads=threads, **logging_each(plan))
@@ -68,31 +68,31 @@ def make_runs(
     executor: Executor,
     *,
     threads: int | None = None,
-    on_row: Callable[[int, Row], object] = lambda number, row: None,
+    on_row: Callable[[int, RunRow], object] = lambda number, row: None,
     on_warning: Callable[[str], object] = lambda sentence: None,
     silence: float = SILENCE,
-) -> list[Row]:
+) -> list[RunRow]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
 
     on_row: is called with the number and row of each run that is done. on_warning: is called once with a
     sentence about a run that takes far longer than all that are done, and than silence [s]. On an interrupt
     what is not begun is left, and KeyboardInterrupt raised.
     """
-    rows: dict[int, Row] = {}
+    rows: dict[int, RunRow] = {}
     numbers: dict[str, list[int]] = defaultdict(list)
     for point in plan.points:
         if point.study is None:
-            rows[point.number] = Row(f"failed: {point.problem}")
+            rows[point.number] = RunRow(f"failed: {point.problem}")
             on_row(point.number, rows[point.number])
         else:
             numbers[point.run].append(point.number)
-    waiting: dict[Future[Row], list[int]] = {}
+    waiting: dict[Future[RunRow], list[int]] = {}
     for those in numbers.values():  # of one run
         task = task_of(plan.points[those[0]], folder / RUNS, device=plan.device, threads=threads)
         waiting[_submitted(executor, task)] = those
-    begun: dict[Future[Row], float] = {}
+    begun: dict[Future[RunRow], float] = {}
     longest = 0.0
-    late: set[Future[Row]] = set()
+    late: set[Future[RunRow]] = set()
     try:
         while waiting:
             for future in waiting:
@@ -121,24 +121,24 @@ def make_runs(
     return [rows[number] for number in range(len(plan.points))]
 
 
-def _submitted(executor: Executor, task: RunTask) -> "Future[Row]":
+def _submitted(executor: Executor, task: RunTask) -> "Future[RunRow]":
     """Return the future of a run; an executor that takes none any more has it fail."""
     try:
         return executor.submit(run_one, task)
     except RuntimeError as error:
-        future: Future[Row] = Future()
+        future: Future[RunRow] = Future()
         future.set_exception(error)
         return future
 
 
-def _row(future: "Future[Row]") -> Row:
+def _row(future: "Future[RunRow]") -> RunRow:
     """Return the row of a run; one whose worker was lost says so."""
     try:
         return future.result()
     except CancelledError:
-        return Row("failed: it was cancelled, as runs are whose cluster is gone")
+        return RunRow("failed: it was cancelled, as runs are whose cluster is gone")
     except (WorkerDiedError, OSError, RuntimeError, MemoryError) as error:
-        return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
+        return RunRow(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
 
 
 def estimate(

@@ -47,7 +47,7 @@ class RunTask:
 
 
 @dataclass(frozen=True)
-class Row:
+class RunRow:
     """What one run came to: end values by the names of the history, with units, and courses of them."""
 
     status: str
@@ -57,7 +57,7 @@ class Row:
     was_there: bool = False  # the run was finished before it was asked for
 
 
-def run_one(task: RunTask) -> Row:
+def run_one(task: RunTask) -> RunRow:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
     start, folder = time.perf_counter(), Path(task.folder)
     try:
@@ -72,10 +72,10 @@ def run_one(task: RunTask) -> Row:
         )
     except (InputError, ConvergenceError, InvariantError, MemoryError, OSError) as error:
         why = " ".join(str(error).split()) or "the memory ran out"
-        return Row(f"failed: {why}", time.perf_counter() - start)
+        return RunRow(f"failed: {why}", time.perf_counter() - start)
 
 
-def _found(task: RunTask, study: Study) -> Row | None:
+def _found(task: RunTask, study: Study) -> RunRow | None:
     """Read the finished run that is asked for by what it carries itself; None where the folder holds none.
 
     Raises OSError or InputError for a whole one that cannot be read here and now: others may.
@@ -108,7 +108,7 @@ def _is_whole(path: Path) -> bool:
     return False
 
 
-def _made(task: RunTask, study: Study) -> Row:
+def _made(task: RunTask, study: Study) -> RunRow:
     """Make a run or go on with it, in the place of one that is damaged or not what its folder is called."""
     folder = Path(task.folder)
     resume = holds_checkpoint(folder) or not is_there(folder)
@@ -119,7 +119,7 @@ def _made(task: RunTask, study: Study) -> Row:
         return row_of(result)
 
 
-def row_of(result: Result) -> Row:
+def row_of(result: Result) -> RunRow:
     """Return what a run came to; its seconds are those of its steps."""
     end, columns = last_values(result), columns_of(result.study)
     ends = {f"{column.name} [{column.units}]": end[column.name] for column in columns}
@@ -129,7 +129,7 @@ def row_of(result: Result) -> Row:
     keep = np.unique(np.linspace(0, courses["distance"].size - 1, POINTS).astype(np.intp))
     thinned = {name: np.asarray(values[keep], dtype=np.float64) for name, values in courses.items()}
     status = "done" if result.finished else "unfinished"
-    return Row(status, float(result.record["elapsed_s"]), ends, thinned)
+    return RunRow(status, float(result.record["elapsed_s"]), ends, thinned)
 
 
 def is_there(folder: Path) -> bool:

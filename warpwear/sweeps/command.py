@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from warpwear.batches import batch
 from warpwear.batches.plan import read_plan
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.errors import InputError
 from warpwear.runs.console import EVERY_SECONDS
 from warpwear.study.loading import value_of_text
@@ -70,7 +70,7 @@ def command(
             counted = batch.Count(len(plan.points))
             bar.write(cost, file=sys.stderr)
 
-        def on_row(number: int, row: Row) -> None:
+        def on_row(number: int, row: RunRow) -> None:
             nonlocal said
             bar.update()
             if row.status.startswith("failed"):

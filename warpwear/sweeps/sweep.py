@@ -15,7 +15,7 @@ from warpwear.batches.batch import (
     share_runs,
 )
 from warpwear.batches.plan import Plan, read_plan
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.ensembles.table import read_csv
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.course import read_experiment
@@ -142,7 +142,7 @@ def make_sweep(
         if dry_run or on_cost is not None:
             cost = estimate(plan, folder, executor, threads=threads, workers=workers)
         if dry_run:
-            return SweepResult(plan, [Row("not made")] * len(plan.points), cost=cost)
+            return SweepResult(plan, [RunRow("not made")] * len(plan.points), cost=cost)
         if on_cost is not None:
             on_cost(cost)
         rows = make_runs(plan, folder, executor, threads=threads, **calls)

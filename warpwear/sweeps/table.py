@@ -14,7 +14,7 @@ from warpwear import lazy
 from warpwear.batches.batch import RUNS
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import Point
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.ensembles.ensemble import Ensemble, EnsembleRow, Group
 from warpwear.ensembles.table import write_csv
 from warpwear.errors import InputError
@@ -53,7 +53,7 @@ class SweepResult:
     plan : Plan
         What was varied; ``plan.groups`` gives label -> numbers of the runs that differ only in the keys of
         band_over.
-    rows : list of Row
+    rows : list of RunRow
         How each run ended.
     folder : Path or None
         That of the sweep; None where nothing was kept.
@@ -64,7 +64,7 @@ class SweepResult:
     """
 
     plan: Plan
-    rows: list[Row]
+    rows: list[RunRow]
     folder: Path | None = None
     cost: str = ""
     written: list[Path] = field(default_factory=list)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear import Study
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.calibration.bayes.data import Data, MeasuredCourse
 from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.likelihood import Posterior
@@ -42,7 +42,7 @@ def worn_paraboloid(study: Study) -> Runs:
         "patch_along": across,
         "patch_across": across,
     }
-    return Runs(wide, (), np.zeros((1, 0)), (Row("done", courses=courses),), True)
+    return Runs(wide, (), np.zeros((1, 0)), (RunRow("done", courses=courses),), True)
 
 
 def posterior_of(

@@ -10,7 +10,7 @@ from cases_inference import smooth_study, worn_paraboloid
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.calibration.bayes.data import Data
 from warpwear.calibration.bayes.emulator import Emulator
 from warpwear.calibration.bayes.likelihood import Posterior
@@ -35,7 +35,7 @@ def test_areas_of_whole_cells_carry_their_scatter() -> None:
     cells = np.sort(np.add.outer(x**2, x**2).ravel())
     counted = 0.02**2 * np.searchsorted(cells, area / np.pi)
     courses = {"distance": distance, "area_contact": counted, "patch_along": area, "patch_across": area}
-    runs = replace(exact, rows=(Row("done", courses=courses),))
+    runs = replace(exact, rows=(RunRow("done", courses=courses),))
     places, smooth, scatter = runs.smooth("area_contact")
     late = places > 200.0
     wanted = np.interp(places, distance, area)
@@ -107,7 +107,7 @@ def test_a_course_without_scatter_has_none() -> None:
     """Running sums of zeros behind large numbers leave rounding, of either sign: no number may come of it."""
     distance = np.linspace(1.0, 1000.0, 1000)
     area = np.exp(np.where(distance < 100.0, np.sin(9.0 * distance), 0.0))
-    rows = (Row("done", courses={"distance": distance, "area_contact": area}),)
+    rows = (RunRow("done", courses={"distance": distance, "area_contact": area}),)
     scatter = replace(worn_paraboloid(smooth_study()), rows=rows).smooth("area_contact")[2]
     assert np.all(scatter >= 0.0)
     assert scatter[-1] < 1e-6 < scatter[0]
@@ -170,7 +170,7 @@ def test_an_emulator_that_is_off_is_refused() -> None:
     random = np.random.default_rng(1)
     distance = np.geomspace(1.0, 2400.0, 50)
     rows = tuple(
-        Row(
+        RunRow(
             "done",
             courses={
                 "distance": distance,

@@ -12,7 +12,7 @@ from warpwear import lazy
 from warpwear.batches import batch
 from warpwear.batches.batch import RUNS, make_all, opened_folder
 from warpwear.batches.plan import Plan, SweepSection
-from warpwear.batches.run_one import Row
+from warpwear.batches.run_one import RunRow
 from warpwear.calibration.bayes.unknowns import Unknown, number_of
 from warpwear.engine.workers import Here
 from warpwear.errors import InputError
@@ -57,7 +57,7 @@ class Runs:
     study: Study
     inputs: tuple[Unknown, ...]
     places: FloatArray
-    rows: tuple[Row, ...]
+    rows: tuple[RunRow, ...]
     scaled: bool
     cut: str = ""
     roughness: FloatArray | None = None
@@ -209,14 +209,14 @@ def _foresee(plan: Plan) -> None:
     )
 
 
-def _whole(row: Row, folder: Path) -> Row:
+def _whole(row: RunRow, folder: Path) -> RunRow:
     """Return a row with whole courses: a sweep keeps few points of the start, where slow wear looks."""
     with Result.open(folder) as result:
         courses = {name: course(result, name)[int(name != "distance")] for name in row.courses}
     return replace(row, courses=courses)
 
 
-def _run(study: Study, out: Path, device: str) -> tuple[Path, Row]:
+def _run(study: Study, out: Path, device: str) -> tuple[Path, RunRow]:
     """Return folder and row of a study's run, which is made here unless its folder holds it."""
     plan = Plan(study, device=device)
     (row,) = batch.make_runs(plan, out, Here())
