@@ -77,7 +77,7 @@ class Workplace:
         return solver
 
 
-#: Not lent; what is done to it at a time is one step of Python's, so that neither threads nor forks need a lock.
+#: Those that are not lent. Each change of it is one step of Python: neither threads nor forks need a lock.
 _kept: dict[Hashable, Workplace] = {}
 
 

@@ -243,7 +243,7 @@ class TwoScaleModel(Model):
         """
         task, row = self.task, self._ledger.row
         known = [*increments, *([] if then is None else [then])]
-        removals = wear_in_steps(task.wear, row["distance"], known)
+        removals = [(k, of_disc) for k, of_disc in wear_in_steps(task.wear, row["distance"], known).tolist()]
         flexibility = 1.0 / self._ledger.foundation
         plan = self._steps.plan.numpy()
         plan[:, 0] = -1.0  # where no step follows
