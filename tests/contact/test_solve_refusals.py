@@ -9,7 +9,7 @@ import pytest
 from cases_solve import GRID, HEIGHTS
 
 from warpwear import solve_contact
-from warpwear.contact.array import memory, workplace
+from warpwear.contact.array import memory
 from warpwear.contact.array import solve as solve_module
 from warpwear.contact.half_space.search import Search
 from warpwear.errors import ConvergenceError, InputError

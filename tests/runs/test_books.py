@@ -16,7 +16,7 @@ STUDIES: dict[str, tuple[str, dict[str, Any]]] = {
     "stops": ("v1", FEW | {"output.snapshots": ["0.3 mm", "30 mm"]}),
     "from the first step on": ("v1", FEW | {"output.snapshots": ["120 mm"]}),
     "no speed": ("v1", FEW | {"sliding.speed": None}),
-    "at the edge": ("v1", FEW | {"grid.extent": "0.9 mm", "checks.strict": False}),
+    "at the edge": ("v1", FEW | {"grid.extent": "0.6 mm", "checks.strict": False}),
     "implicit": ("v3-fine", {"grid.cell": "20 um", "sliding.distance": "30 mm"}),
 }
 

@@ -160,10 +160,10 @@ class Certifier:
         program.decide(kernels.bracket, proof)
         if proof.fields.cap < NONE:
             with program.loop(proof.searching):
-                look(kernels.carried)
+                look(kernels.carried_at)
                 program.decide(kernels.narrow, proof)
         look(kernels.excess)
-        program.decide(kernels.conclude, proof)
+        program.decide(kernels.prove, proof)
 
     def at(self, *, load: float | FloatArray | None, **numbers: float | FloatArray) -> Certificate:
         """Certify the pressure now, at a load Σ p [MPa] or, with None, without one.

@@ -41,7 +41,7 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Steps:
+class StepColumns:
     """Holds steps in a row as columns: arrays of one number a step, as each `Step` of them has one."""
 
     columns: dict[str, FloatArray]
@@ -58,10 +58,10 @@ class Steps:
         return map(Step, rows, self.touches_edge.tolist(), self.touches_rim.tolist())
 
 
-def each_step(groups: Iterable[Step | Steps]) -> Iterator[Step]:
+def each_step(groups: Iterable[Step | StepColumns]) -> Iterator[Step]:
     """Yield steps one by one."""
     for group in groups:
-        yield from group if isinstance(group, Steps) else (group,)
+        yield from group if isinstance(group, StepColumns) else (group,)
 
 
 class Entry(NamedTuple):
@@ -180,7 +180,7 @@ class Ledger:
         at_edge, at_rim = map(bool, self._reaches(self.most))
         return Step(row, at_edge, at_rim, pressure)
 
-    def enter_all(self, *entry: Any) -> Steps:
+    def enter_all(self, *entry: Any) -> StepColumns:
         """Book steps in a row as `enter` does one: all are arrays of one number a step."""
         steps = Entry(*entry)
         most, count = steps.most, len(steps.increment)
@@ -195,7 +195,7 @@ class Ledger:
         columns = {name: np.broadcast_to(values, count) for name, values in row.items()}
         self.row = {name: float(values[-1]) for name, values in columns.items()}
         self.most = {name: float(values[-1]) for name, values in grown.items()}
-        return Steps(columns, *self._reaches(grown))
+        return StepColumns(columns, *self._reaches(grown))
 
     def _row(self, entry: "Entry", most: Mapping[str, Number]) -> dict[str, Any]:
         """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""

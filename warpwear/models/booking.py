@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.history.recorder import Entry, Ledger, Step, Steps
+from warpwear.history.recorder import Entry, Ledger, Step, StepColumns
 
 
-def booked(ledger: Ledger, steps: Entry, enter: Callable[..., Step]) -> Iterator[Step | Steps]:
+def booked(ledger: Ledger, steps: Entry, enter: Callable[..., Step]) -> Iterator[Step | StepColumns]:
     """Enter steps into the books, arrays of one number a step, and yield all but the last, and the last.
 
     enter: books one as a step made by itself, here the last: it may be one that fails.

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
-from warpwear.history.recorder import Step, Steps
+from warpwear.history.recorder import Step, StepColumns
 from warpwear.history.recorder_patches import PatchBook
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.track import Track
@@ -57,7 +57,9 @@ class Model(ABC):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.turned = 0
 
-    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step | Steps]]:
+    def replay(
+        self, increments: Sequence[float], then: float | None
+    ) -> tuple[int, Iterator[Step | StepColumns]]:
         """Make the next steps on the device, as many as it can in one go; return their number, and them.
 
         then: the increment after them [mm], where it is known. A model that is never `in_blocks` makes one.
@@ -79,13 +81,13 @@ class Model(ABC):
         """
         return 0.0
 
-    def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step | Steps]:
+    def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step | StepColumns]:
         """Yield the steps of a block, which is made in one go or in a few."""
         while increments:
             count, steps = self.replay(increments, then)
             self.steps_in_flight = count
             for made in steps:
-                self.steps_in_flight -= len(made) if isinstance(made, Steps) else 1
+                self.steps_in_flight -= len(made) if isinstance(made, StepColumns) else 1
                 yield made
             self.check()
             increments = increments[count:]
@@ -97,7 +99,7 @@ class Model(ABC):
         """
         increments, asked, *certified = zip(*plan, strict=True)
         for group in self.groups(increments, asked, *certified):
-            if not isinstance(group, Steps):
+            if not isinstance(group, StepColumns):
                 yield group
                 continue
             last = self.steps_in_flight + len(group)
@@ -107,7 +109,7 @@ class Model(ABC):
 
     def groups(
         self, increments: Sequence[float], asked: Sequence[bool], certified: Sequence[bool] = ()
-    ) -> Iterator[Step | Steps]:
+    ) -> Iterator[Step | StepColumns]:
         """Yield steps as `steps` does, but together where a model has them in one piece.
 
         asked: whether for the pressure of each. certified: whether to certify each.

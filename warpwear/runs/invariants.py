@@ -15,7 +15,7 @@ import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.history.quantities import FIELDS, columns_of
-from warpwear.history.recorder import Steps
+from warpwear.history.recorder import StepColumns
 from warpwear.history.snapshot import Snapshot
 from warpwear.study.rules_track import extent_for
 from warpwear.study.study import Study
@@ -95,7 +95,7 @@ class Invariants:
         if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
 
-    def hold(self, steps: Steps) -> bool:
+    def hold(self, steps: StepColumns) -> bool:
         """Tell whether `of_row` has nothing to say of steps in a row; False where it is to be asked."""
         columns, outside = steps.columns, steps.touches_rim
         if not self._study.repeats:

@@ -15,7 +15,7 @@ from warpwear.clock import phase
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
-from warpwear.history.recorder import Step, Steps
+from warpwear.history.recorder import Step, StepColumns
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.form import Given
@@ -205,7 +205,8 @@ class StepLoop:
         invariants, first = self._order.invariants, done
         for step in self._unless_entered(groups, left, blocks):
             done = len(self._rows)
-            (_, distance, keep), block, look = (each[done - first] for each in (left, blocks, looks))
+            place = done - first
+            (_, distance, keep), block, look = left[place], blocks[place], looks[place]
             row = step.row
             row["distance"], row["time"], row["block"] = distance, block.time(distance), block.number
             if self._jumps is not None:
@@ -239,12 +240,12 @@ class StepLoop:
             yield row, stop
 
     def _unless_entered(
-        self, groups: Iterable[Step | Steps], left: Sequence[Planned], blocks: Sequence[Block]
+        self, groups: Iterable[Step | StepColumns], left: Sequence[Planned], blocks: Sequence[Block]
     ) -> Iterator[Step]:
         """Yield the steps of a part of the plan, but enter those at once of which nothing is to be told."""
         begin = len(self._rows)
         for group in groups:
-            if isinstance(group, Steps):
+            if isinstance(group, StepColumns):
                 first = len(self._rows) - begin
                 planned = slice(first, first + len(group))
                 if not self._entered(group, left[planned], blocks[planned]):
@@ -252,7 +253,7 @@ class StepLoop:
             else:
                 yield group
 
-    def _entered(self, steps: Steps, plan: Sequence[Planned], blocks: Sequence[Block]) -> bool:
+    def _entered(self, steps: StepColumns, plan: Sequence[Planned], blocks: Sequence[Block]) -> bool:
         """Enter steps at once; return False where each of them is to be looked at."""
         block, begins = blocks[0], not self._rows
         distance = np.array([step[1] for step in plan])

@@ -39,6 +39,7 @@ from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.bearing import TIE
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.half_space.certificate import ALONE
 from warpwear.kernels.half_space.solve import Fields, SearchRules
 from warpwear.laws.form import Form
 
@@ -230,6 +231,7 @@ def solve_contact(
 def _solve_cells(task: Task, place: Workplace) -> Solution:
     """Solve with springs, or the bearing area: to rounding."""
     executor, gap, stiffest = place.executor, place.gap(task.gap), 1.0 if task.response else RIGID
+    executor.foresee(ALONE, together=True)
     load = (task.mean or 0.0) * task.gap.size
     search = LoadSearch(
         executor,

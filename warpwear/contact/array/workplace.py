@@ -60,7 +60,7 @@ class Workplace:
             return executor.zeros() if values is None else executor.field(values, padding=padding)
         if name not in self._fields:
             self._fields[name] = executor.field(np.zeros(executor.grid.shape), padding=padding)
-        executor.fill(self._fields[name], np.float64(0.0) if values is None else values)
+        executor.fill(self._fields[name], np.zeros(()) if values is None else values)
         return self._fields[name]
 
     def gap(self, values: FloatArray) -> Field:

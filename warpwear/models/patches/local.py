@@ -14,7 +14,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import tile_extremes
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Step
+from warpwear.history.recorder import Step, StepColumns
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches as passes
@@ -160,7 +160,9 @@ class TwoScaleModel(Model):
         """Tell whether the device takes the next steps by itself."""
         return not self.contact.features
 
-    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+    def replay(
+        self, increments: Sequence[float], then: float | None
+    ) -> tuple[int, Iterator[Step | StepColumns]]:
         """Make steps on the device, fewer where the contact grows to the edge, or to another material."""
         count = self._wears.together(increments)
         if not count:

@@ -20,7 +20,7 @@ from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Entry, Ledger, Step, Steps, each_step, split_wear
+from warpwear.history.recorder import Entry, Ledger, Step, StepColumns, each_step, split_wear
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
@@ -165,7 +165,9 @@ class OneScaleModel(Model):
         """Whether steps can be made in a row: not where 1/c of one follows from the area of the last."""
         return not self.task.bulk_updated
 
-    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step | Steps]]:
+    def replay(
+        self, increments: Sequence[float], then: float | None
+    ) -> tuple[int, Iterator[Step | StepColumns]]:
         """Make steps on the device, before the first of them is seen."""
         removals = self._write_plan(increments, then)
         self._many.run()
@@ -210,7 +212,7 @@ class OneScaleModel(Model):
         self._course.set(step=0, steps=len(increments), known=len(known))
         return removals
 
-    def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step | Steps]:
+    def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step | StepColumns]:
         """Return the steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
