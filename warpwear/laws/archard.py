@@ -310,14 +310,9 @@ def wear_in_steps(laws: tuple[WearLaw, WearLaw], start: float, increments: Seque
     laws: of counter and disc. start: distance slid before the first of the increments [mm], which follow each
     other. Shape (steps, 2).
     """
-    removals = np.empty((len(increments), 2))
-    for law, column in zip(laws, removals.T, strict=True):
-        if type(law).wear_per_pressure is WearLaw.wear_per_pressure:  # K at all distances
-            column[:] = law.wear_per_pressure(start, np.array(increments))
-            continue
-        slid = itertools.accumulate(increments, initial=start)
-        column[:] = [law.wear_per_pressure(*step) for step in zip(slid, increments, strict=False)]
-    return removals
+    counter, disc = laws
+    slid = [*zip(itertools.accumulate(increments, initial=start), increments, strict=False)]
+    return np.array([[law.wear_per_pressure(*step) for step in slid] for law in (counter, disc)]).T
 
 
 def decay_integral(start: Any, increment: Number, length: Any) -> Number:
