@@ -10,7 +10,9 @@ from enum import IntEnum
 
 import warp as wp
 
-LANES = 8
+from warpwear.grid import VECTOR_CELLS
+
+LANES = VECTOR_CELLS
 Cells = wp.types.vector(LANES, wp.float64)
 
 #: Gap of a place where there is no surface (padding, beyond the counter-body's edge) [mm].

@@ -75,6 +75,7 @@ def device(request: pytest.FixtureRequest) -> str:
 def cores(monkeypatch: pytest.MonkeyPatch) -> int:
     """The cores that there are, whose threads share grids too small for it to pay."""
     monkeypatch.setattr(execution, "CELLS_PER_THREAD", 1)
+    monkeypatch.setattr("warpwear.contact.array.workplace._kept", {})  # those of one thread
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -101,6 +102,7 @@ def host_with(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
 
     def say(free: float) -> None:
         monkeypatch.setattr(psutil, "virtual_memory", lambda: SimpleNamespace(available=int(free)))
+        monkeypatch.setattr("warpwear.contact.array.workplace._kept", {})  # which are not asked
 
     return say
 

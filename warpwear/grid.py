@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+#: Cells of a vector: rows of fields are stored in whole ones.
+VECTOR_CELLS = 8
 #: What the cells of an array lie on: the disc, which other parts may follow; the counter-body; or the contact
 #: of both, the domain that the disc moves under.
 Frame = Literal["disc", "counter", "contact"]

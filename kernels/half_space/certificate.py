@@ -7,10 +7,8 @@ import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.half_space import solve as search
-from warpwear.kernels.half_space.solve import Fields
-from warpwear.kernels.native_code import options, pass_over
-
-wp.set_module_options(options("half_space/certificate.h"))
+from warpwear.kernels.half_space.solve import TOGETHER, Fields
+from warpwear.kernels.native_code import pass_over
 
 #: Levels of a bracket that one pass looks at, as in the header.
 LEVELS = wp.constant(wp.int32(8))
@@ -58,14 +56,14 @@ class Proof:
 
 
 #: Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions.
-extremes = pass_over(Proof, "proof_extremes")
+extremes = pass_over(Proof, "proof_extremes", module=TOGETHER)
 #: Sum up what cells below levels of the bracket carry at the cap.
-carried = pass_over(Proof, "proof_carried")
+carried_at = pass_over(Proof, "proof_carried", module=TOGETHER)
 #: Sum up the bound of the energy at the level that makes it least.
-excess = pass_over(Proof, "proof_gap")
+excess = pass_over(Proof, "proof_gap", module=TOGETHER)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def bracket(proof: Proof):
     """Note extremes, and between which of them the level λ' lies: it is the lowest gap where there is no cap.
 
@@ -97,7 +95,7 @@ def bracket(proof: Proof):
         proof.searching[0] = wp.where(has_cap, 1, 0)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def narrow(proof: Proof):
     """Narrow the bracket of the level of every group to where its cells carry the load at the cap.
 
@@ -137,8 +135,8 @@ def narrow(proof: Proof):
         proof.searching[0] = wp.where(wide > ZERO and proof.passes[0] < PASSES, 1, 0)
 
 
-@wp.kernel
-def conclude(proof: Proof):
+@wp.kernel(module=TOGETHER)
+def prove(proof: Proof):
     """Note the bound of every group."""
     for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         lines = search.lines_of(proof, i, 1, 1)
@@ -146,3 +144,7 @@ def conclude(proof: Proof):
             group = proof.groups[i]
             group.gap = lines[0]
             proof.groups[i] = group
+
+
+#: All of them, to be compiled without those of searches.
+ALONE = (extremes, bracket, carried_at, narrow, excess, prove)

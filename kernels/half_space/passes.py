@@ -6,6 +6,7 @@ move between the grid of a search and others: a larger grid, and cells twice as 
 
 import warp as wp
 
+from warpwear.kernels import contact
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
 from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve, Streaks
@@ -101,3 +102,5 @@ restrict = pass_over(Transfer, "restrict_cells", module=TOGETHER)
 prolong = pass_over(Transfer, "prolong_cells", module=TOGETHER)
 #: Find the extents of the cells that a contact reaches; the first ones negated.
 extents = pass_over(ContactReach, "extents", module=TOGETHER)
+#: The gap of unworn bodies, with which searches begin: alone it would compile Warp's headers again.
+unworn_gap = wp.Kernel(contact.gap.func, key="unworn_gap", module=TOGETHER, source=contact.gap.adj.source)

@@ -17,7 +17,12 @@ from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
 TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
-HEADERS = "half_space/extension.h", "half_space/active_set.h", "half_space/windows.h"
+HEADERS = (
+    "half_space/extension.h",
+    "half_space/active_set.h",
+    "half_space/windows.h",
+    "half_space/certificate.h",
+)
 wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
 
 #: How a search ended.

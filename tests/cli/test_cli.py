@@ -193,6 +193,36 @@ def test_help_is_quick(command: tuple[str, ...], helps: dict[str, str]) -> None:
     assert told.startswith("Usage: warpwear")
 
 
+def test_what_launches_nothing_does_without_warp(tmp_path: Path) -> None:
+    """Its import is most of the second that such a command took."""
+    made = warpwear("run", "v1", *QUICK, "--out", "run", "--no-plots", cwd=tmp_path)
+    assert made.returncode == 0, made.stderr
+    profile = "".join(f"{0.001 * i},{0.1 * (i % 7)}\n" for i in range(4000))
+    (tmp_path / "profile.csv").write_text(f"x [mm],z [um]\n{profile}", encoding="utf-8")
+    asked = [
+        "materials",
+        "show v1",
+        "new own.toml --like pin",
+        "surface profile.csv",
+        "plot run",
+        "report run",
+    ]
+    asked.append("export run")
+    code = (
+        "import sys\n"
+        "from warpwear.cli.main import main\n"
+        "for command in sys.argv[1:]:\n"
+        "    try:\n"
+        "        main(command.split())\n"
+        "    except SystemExit as ended:\n"
+        "        assert not ended.code, command\n"
+        "    assert 'warp' not in sys.modules, command"
+    )
+    command, path = [sys.executable, "-c", code, *asked], os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=path, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.mark.parametrize("command", every_command(commands), ids=" ".join)
 def test_no_two_options_write_one_parameter(command: tuple[str, ...]) -> None:
     """Which of them a value is from differs between click's versions."""

@@ -5,7 +5,7 @@ import pytest
 from cases_half_space import MODULUS, dense_free, dense_of, dense_periodic
 from numpy.testing import assert_allclose, assert_array_equal
 
-from warpwear.contact.half_space.influence import Influence, apart_shape, displace
+from warpwear.contact.half_space.influence import Influence, apart_shape, displacing
 from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
@@ -38,7 +38,8 @@ def test_a_displacement_is_that_of_the_dense_matrix(
     expected = (dense_free(grid) @ pressure.ravel()).reshape(shape)
     with Executor(grid, device=device, threads=threads) as executor:
         found = executor.zeros()
-        displace(executor, executor.field(pressure), found, modulus=MODULUS, box=box)
+        pressed_field, shape = executor.field(pressure), apart_shape(grid, box)
+        displacing(executor, pressed_field, found, modulus=MODULUS, shape=shape).run()
         assert_allclose(executor.to_numpy(found), expected, rtol=0.0, atol=1e-13 * expected.max())
 
 
@@ -49,7 +50,7 @@ def test_a_displacement_is_that_of_all_cells_together() -> None:
         pressure = executor.field(pressed(grid, box))
         expected, found = executor.zeros(), executor.zeros()
         Influence(executor, modulus=MODULUS, boundary="free").respond(pressure, expected)
-        displace(executor, pressure, found, modulus=MODULUS, box=box)
+        displacing(executor, pressure, found, modulus=MODULUS, shape=apart_shape(grid, box)).run()
         expected, found = executor.to_numpy(expected), executor.to_numpy(found)
         assert_allclose(found, expected, rtol=0.0, atol=1e-14 * expected.max())
         assert apart_shape(grid, box) == (320, 540)

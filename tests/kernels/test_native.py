@@ -40,6 +40,12 @@ def test_kernels_compile_for_a_cpu(name: str) -> None:
     begin_to_load(MODULES[name], wp.get_device("cpu"))()
 
 
+def test_no_two_kernels_of_a_module_have_one_name() -> None:
+    """A recording knows them by it, and would launch one with the arguments of the other."""
+    different = {(kernel.module.name, kernel.key): kernel for kernel in KERNELS}
+    assert len(different) == len({id(kernel) for kernel in KERNELS})
+
+
 def test_every_header_belongs_to_kernels() -> None:
     """Some module's own, or included by one."""
     own = {header for header in HEADERS if any(f'"{header}"' in text for text in TEXTS.values())}

@@ -3,7 +3,9 @@
 How it is searched for is told in `kernels.balance` and `kernels.bearing`; `search` says it to a program.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from warpwear.errors import ConvergenceError
 
@@ -31,9 +33,10 @@ class Balance(NamedTuple):
         return self.base + self.offset
 
 
-def stiffness_of(compliance: float) -> float:
-    """Return 1/c [N/mm³] of a compliance c [mm³/N], `RIGID` at most."""
-    return min(1.0 / compliance, RIGID) if compliance else RIGID
+def stiffness_of(compliance: Any) -> Any:
+    """Return 1/c [N/mm³] of a compliance c [mm³/N], or of an array of them, `RIGID` at most."""
+    with np.errstate(divide="ignore", over="ignore"):
+        return np.minimum(np.divide(1.0, compliance), RIGID)
 
 
 def checked_residual(residual: float, load: float, *, approach: float) -> float:

@@ -137,6 +137,7 @@ class Certifier:
     ) -> None:
         self._executor, device, rows = executor, executor.device, executor.grid.nx
         self._slots = rows if groups > 1 else executor.slots_of(rows)
+        self._program: Program | None = None
         #: For kernels.
         self.arguments = arguments(
             kernels.Proof,
@@ -159,10 +160,10 @@ class Certifier:
         program.decide(kernels.bracket, proof)
         if proof.fields.cap < NONE:
             with program.loop(proof.searching):
-                look(kernels.carried)
+                look(kernels.carried_at)
                 program.decide(kernels.narrow, proof)
         look(kernels.excess)
-        program.decide(kernels.conclude, proof)
+        program.decide(kernels.prove, proof)
 
     def at(self, *, load: float | FloatArray | None, **numbers: float | FloatArray) -> Certificate:
         """Certify the pressure now, at a load Σ p [MPa] or, with None, without one.
@@ -174,9 +175,10 @@ class Certifier:
         for name, value in {**numbers, "load": -1.0 if load is None else load}.items():
             values[name] = value
         groups.assign(values)
-        program = Program(self._executor, records=False)
-        self.add_to(program)
-        program.run()
+        if self._program is None:
+            self._program = Program(self._executor, records=2)
+            self.add_to(self._program)
+        self._program.run()
         return Certificate.of(groups.numpy(), cell_area=self._executor.grid.cell_area)
 
 

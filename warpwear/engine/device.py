@@ -86,6 +86,8 @@ def check_threads(threads: int | None) -> int:
 
 def usable_cores() -> int:
     """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
     process = psutil.Process()
     return len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
 

@@ -130,6 +130,10 @@ class Executor:
         for module in new:
             self._foreseen[module] = begin_to_load(module, self.device, self._loader)
 
+    def expects(self, kernel: Any) -> bool:
+        """Tell whether the file of a kernel is loaded, or begun to be."""
+        return kernel.module in self._loaded | self._foreseen.keys()
+
     def load(self, kernel: Any) -> Any:
         """Load, or compile, the file of a kernel before any thread needs it; return what to launch."""
         kernel = self._copies.get(kernel, kernel)

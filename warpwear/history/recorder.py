@@ -3,7 +3,8 @@
 import functools
 import math
 import operator
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from warpwear.kernels.running_in.materials import BOOKS
 from warpwear.laws.archard import BODIES
 from warpwear.laws.depth_profile import of_materials
 from warpwear.laws.task import ContactTask
+from warpwear.surfaces.base import BoolArray
 
 #: Columns that grow from step to step.
 RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
@@ -36,6 +38,30 @@ class Step(NamedTuple):
     touches_edge: bool  # of the domain
     touches_rim: bool  # of the counter-body: the contact is as wide as the counter-body itself
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
+
+
+@dataclass(frozen=True)
+class StepColumns:
+    """Holds steps in a row as columns: arrays of one number a step, as each `Step` of them has one."""
+
+    columns: dict[str, FloatArray]
+    touches_edge: BoolArray
+    touches_rim: BoolArray
+
+    def __len__(self) -> int:
+        return len(self.touches_edge)
+
+    def __iter__(self) -> Iterator[Step]:
+        table = np.stack([*self.columns.values()], axis=1).tolist()
+        # One by one: many at a time would be looked through for garbage.
+        rows = (dict(zip(self.columns, values, strict=True)) for values in table)
+        return map(Step, rows, self.touches_edge.tolist(), self.touches_rim.tolist())
+
+
+def each_step(groups: Iterable[Step | StepColumns]) -> Iterator[Step]:
+    """Yield steps one by one."""
+    for group in groups:
+        yield from group if isinstance(group, StepColumns) else (group,)
 
 
 class Entry(NamedTuple):
@@ -154,7 +180,7 @@ class Ledger:
         at_edge, at_rim = map(bool, self._reaches(self.most))
         return Step(row, at_edge, at_rim, pressure)
 
-    def enter_all(self, *entry: Any) -> Iterator[Step]:
+    def enter_all(self, *entry: Any) -> StepColumns:
         """Book steps in a row as `enter` does one: all are arrays of one number a step."""
         steps = Entry(*entry)
         most, count = steps.most, len(steps.increment)
@@ -164,14 +190,12 @@ class Ledger:
         row = self._row(steps, grown | {"pressure": most["pressure"]})
         row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
         for name in self.running:
-            row[name] = np.add.accumulate([self.row[name], *np.broadcast_to(row[name], count)])[1:]
-        table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
-        self.row = dict(zip(row, table[-1].tolist(), strict=True))
-        at_edge, at_rim = (reaches.tolist() for reaches in self._reaches(grown))
+            grows = np.broadcast_to(row[name], count)
+            row[name] = np.add.accumulate(np.concatenate([[self.row[name]], grows]))[1:]
+        columns = {name: np.broadcast_to(values, count) for name, values in row.items()}
+        self.row = {name: float(values[-1]) for name, values in columns.items()}
         self.most = {name: float(values[-1]) for name, values in grown.items()}
-        # One by one: many at a time would be looked through for garbage.
-        rows = (dict(zip(row, values, strict=True)) for values in table.tolist())
-        return map(Step, rows, at_edge, at_rim)
+        return StepColumns(columns, *self._reaches(grown))
 
     def _row(self, entry: "Entry", most: Mapping[str, Number]) -> dict[str, Any]:
         """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""

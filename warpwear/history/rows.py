@@ -73,6 +73,11 @@ class Rows:
             self._of = itemgetter(*self.names)
         self._values.fromlist([*self._of(row)])
 
+    def extend(self, columns: Mapping[str, FloatArray]) -> None:
+        """Add rows, by columns of one value each."""
+        self.names = self.names or [*columns]
+        self._values.frombytes(np.stack([columns[name] for name in self.names], axis=1).tobytes())
+
     def __len__(self) -> int:
         return len(self._values) // max(len(self.names), 1)
 
@@ -90,4 +95,5 @@ class Rows:
         """Return one value a row, shape (rows,); NaN for a column that the rows do not have."""
         if name not in self.names:
             return np.full(len(self), math.nan)
-        return np.array(self._values[self.names.index(name) :: len(self.names)])
+        table = np.frombuffer(self._values).reshape(len(self), len(self.names))
+        return table[:, self.names.index(name)].copy()  # the array cannot grow while it is seen

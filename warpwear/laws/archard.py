@@ -304,17 +304,15 @@ def knots_of(laws: tuple[WearLaw, WearLaw]) -> FloatArray:
     return np.column_stack([pressures, *(np.interp(pressures, at, k) / k[0] for at, k in tables)])
 
 
-def wear_in_steps(
-    laws: tuple[WearLaw, WearLaw], start: float, increments: Sequence[float]
-) -> list[tuple[float, float]]:
+def wear_in_steps(laws: tuple[WearLaw, WearLaw], start: float, increments: Sequence[float]) -> FloatArray:
     """Return what a unit of pressure wears off counter-body and disc in each of the increments [mm³/N].
 
     laws: of counter and disc. start: distance slid before the first of the increments [mm], which follow each
-    other.
+    other. Shape (steps, 2).
     """
     counter, disc = laws
-    slid = zip(itertools.accumulate(increments, initial=start), increments, strict=False)
-    return [(counter.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
+    slid = [*zip(itertools.accumulate(increments, initial=start), increments, strict=False)]
+    return np.array([[law.wear_per_pressure(*step) for step in slid] for law in (counter, disc)]).T
 
 
 def decay_integral(start: Any, increment: Number, length: Any) -> Number:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -50,10 +50,10 @@ class Block:
         """Return what it slides [mm]."""
         return self.end - self.start
 
-    def time(self, distance: float) -> float:
+    def time(self, distance: Any) -> Any:
         """Return the time [s] at a sliding distance [mm] within it; NaN where that is not known."""
         start, begins = self.since
-        return begins + (distance - start) / self.speed if self.speed else math.nan
+        return begins + (distance - start) / self.speed if self.speed else math.nan * distance
 
     @classmethod
     def in_a_row(

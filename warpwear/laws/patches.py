@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.cells import LANES
+from warpwear.grid import VECTOR_CELLS, FloatArray, Grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,13 +70,13 @@ class Patches:
 
     @property
     def vectors(self) -> int:
-        """Return the number of vectors of `LANES` cells that hold a line of a patch."""
-        return -(-self.side // LANES)
+        """Return the number of vectors of `VECTOR_CELLS` cells that hold a line of a patch."""
+        return -(-self.side // VECTOR_CELLS)
 
     @property
     def grid(self) -> Grid:
         """Return the grid of the cells as they are stored: one row a patch, padding included."""
-        return Grid(self.count, self.side * self.vectors * LANES, self.domain.cell)
+        return Grid(self.count, self.side * self.vectors * VECTOR_CELLS, self.domain.cell)
 
     @property
     def centres(self) -> tuple[FloatArray, FloatArray]:
@@ -88,7 +87,7 @@ class Patches:
     def stored(self, field: FloatArray) -> FloatArray:
         """Return the patches of a field over the domain, shape (nx, ny), as they are stored; padding is 0."""
         n = self.side
-        rows = np.empty((self.count, n, self.vectors * LANES))
+        rows = np.empty((self.count, n, self.vectors * VECTOR_CELLS))
         rows[:, :, n:] = 0.0
         for patch, (row, column) in enumerate(zip(self.first_row, self.first_column, strict=True)):
             rows[patch, :, :n] = field[row : row + n, column : column + n]

@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.history.recorder import Entry, Ledger, Step
+from warpwear.history.recorder import Entry, Ledger, Step, StepColumns
 
 
-def booked(ledger: Ledger, steps: Entry, enter: Callable[..., Step]) -> Iterator[Step]:
-    """Enter steps into the books, arrays of one number a step, and yield them.
+def booked(ledger: Ledger, steps: Entry, enter: Callable[..., Step]) -> Iterator[Step | StepColumns]:
+    """Enter steps into the books, arrays of one number a step, and yield all but the last, and the last.
 
     enter: books one as a step made by itself, here the last: it may be one that fails.
     """
     count = len(steps.increment)
     if count > 1:
-        yield from ledger.enter_all(*_of(steps, slice(0, count - 1)))
+        yield ledger.enter_all(*_of(steps, slice(0, count - 1)))
     if count:
         yield enter(*_of(steps, count - 1))
 

@@ -1,13 +1,12 @@
 """A run asks of a model steps along a plan, snapshots of them, and a state to go on from."""
 
-import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
-from warpwear.history.recorder import Step
+from warpwear.history.recorder import Step, StepColumns
 from warpwear.history.recorder_patches import PatchBook
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.track import Track
@@ -58,7 +57,9 @@ class Model(ABC):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.turned = 0
 
-    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+    def replay(
+        self, increments: Sequence[float], then: float | None
+    ) -> tuple[int, Iterator[Step | StepColumns]]:
         """Make the next steps on the device, as many as it can in one go; return their number, and them.
 
         then: the increment after them [mm], where it is known. A model that is never `in_blocks` makes one.
@@ -80,13 +81,14 @@ class Model(ABC):
         """
         return 0.0
 
-    def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
+    def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step | StepColumns]:
         """Yield the steps of a block, which is made in one go or in a few."""
         while increments:
             count, steps = self.replay(increments, then)
-            for number, step in enumerate(steps):
-                self.steps_in_flight = count - number - 1
-                yield step
+            self.steps_in_flight = count
+            for made in steps:
+                self.steps_in_flight -= len(made) if isinstance(made, StepColumns) else 1
+                yield made
             self.check()
             increments = increments[count:]
 
@@ -95,18 +97,33 @@ class Model(ABC):
 
         A third word says whether to certify the step.
         """
-        block: list[float] = []
-        end: list[None] = [None]
-        in_blocks = self.in_blocks
-        for this, following in itertools.pairwise(itertools.chain(plan, end)):
-            assert this is not None
-            increment, with_pressure, *certified = this
-            self.certified = any(certified)
-            then = following[0] if following else None
-            if with_pressure or not in_blocks:
-                yield self.advance(increment, with_pressure=with_pressure, then=then)
+        increments, asked, *certified = zip(*plan, strict=True)
+        for group in self.groups(increments, asked, *certified):
+            if not isinstance(group, StepColumns):
+                yield group
                 continue
-            block.append(increment)
-            if following is None or following[1] or len(block) == self.longest_block:
-                yield from self._block(block, then)
-                block = []
+            last = self.steps_in_flight + len(group)
+            for number, step in enumerate(group, 1):
+                self.steps_in_flight = last - number
+                yield step
+
+    def groups(
+        self, increments: Sequence[float], asked: Sequence[bool], certified: Sequence[bool] = ()
+    ) -> Iterator[Step | StepColumns]:
+        """Yield steps as `steps` does, but together where a model has them in one piece.
+
+        asked: whether for the pressure of each. certified: whether to certify each.
+        """
+        in_blocks, first = self.in_blocks, 0
+        while first < len(increments):
+            alone, end = asked[first] or not in_blocks, first + 1
+            if not alone:
+                most = min(first + self.longest_block, len(increments))
+                end = first + [*map(bool, asked[first:most]), True].index(True)
+            then = increments[end] if end < len(increments) else None
+            self.certified = any(certified[end - 1 : end])
+            if alone:
+                yield self.advance(increments[first], with_pressure=asked[first], then=then)
+            else:
+                yield from self._block(increments[first:end], then)
+            first = end

@@ -8,6 +8,7 @@ from warpwear.engine.program import launch_once
 from warpwear.grid import FloatArray
 from warpwear.kernels import contact
 from warpwear.kernels.cells import Layout
+from warpwear.kernels.half_space import passes
 from warpwear.laws.form import Form
 from warpwear.laws.patches import Patches
 
@@ -35,6 +36,8 @@ def gap_over(form: Form, heights: FloatArray, executor: Executor, patches: Patch
     )
     beneath = form.beneath(heights, x, y)
     roughness = executor.field(beneath if patches is None else patches.stored(beneath))
-    gap = executor.zeros()
-    launch_once(executor, contact.gap, columns, ball, layout_of(executor, patches), roughness, gap)
+    gap, kernel = executor.zeros(), contact.gap
+    if executor.expects(passes.unworn_gap):
+        kernel = passes.unworn_gap
+    launch_once(executor, kernel, columns, ball, layout_of(executor, patches), roughness, gap)
     return gap

@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,11 +21,13 @@ import psutil
 from warpwear.grid import FloatArray
 from warpwear.history import quantities
 from warpwear.history.pieces import PieceBook
-from warpwear.history.recorder_patches import PatchBook
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.file import PATCH
 from warpwear.study.study import Study
 from warpwear.version import __version__
+
+if TYPE_CHECKING:
+    from warpwear.history.recorder_patches import PatchBook
 
 #: Room for attributes, tables and the log beside what is counted [B].
 SPACE_FOR_THE_REST = 2 * 2**20
@@ -158,7 +160,7 @@ class ResultWriter:
         record: Mapping[str, Any],
         *,
         finished: bool,
-        book: PatchBook | None = None,
+        book: "PatchBook | None" = None,
         pieces: PieceBook | None = None,
     ) -> None:
         """Keep the history and what else the run recorded, and mark it as finished or interrupted.
@@ -191,7 +193,7 @@ class ResultWriter:
                 along = "track_x" if track and quantities.FIELDS[name].frame == "disc" else "x"
                 _label(snapshot[name], self._file["grid"], along, "y")
 
-    def _add_patches(self, book: PatchBook) -> None:
+    def _add_patches(self, book: "PatchBook") -> None:
         """Keep what each patch did, and where the macro cells lie."""
         self._add_axis(f"history/{PATCH}", np.arange(book.patches.count), units="1")
         history = self._file["history"]

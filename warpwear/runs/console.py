@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 import warnings
+from collections.abc import Mapping
 from contextlib import suppress
 from operator import itemgetter
 from types import FrameType
@@ -57,16 +58,16 @@ class Progress:
         if not self._quiet and sys.stderr.isatty():
             self._bar = tqdm(total=steps, initial=done, desc=self._name, unit="step", leave=False)
 
-    def step(self, row: dict[str, float]) -> None:
-        """One step is done."""
+    def step(self, row: Mapping[str, float], *, count: int = 1) -> None:
+        """One step is done, or so many, the last of which has this row."""
         if self._quiet:
             return
-        steps = int(row["cycles"]) if self._by_cycles else 1
+        steps = int(row["cycles"]) if self._by_cycles else count
         self._done += steps
         self._write_warnings()
         if self._bar is not None:
             self._bar.update(steps)
-            if self._done % 20 == 0:
+            if self._done % 20 < steps:
                 self._bar.set_postfix_str(
                     f"{with_unit(row['distance'], 4)}, {row['area_contact']:.4g} mm²", refresh=False
                 )

@@ -15,6 +15,7 @@ import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.history.quantities import FIELDS, columns_of
+from warpwear.history.recorder import StepColumns
 from warpwear.history.snapshot import Snapshot
 from warpwear.study.rules_track import extent_for
 from warpwear.study.study import Study
@@ -84,10 +85,7 @@ class Invariants:
                 f"load_residual = {residual:.3g} N {_where(row)} is beyond {self._residual:.3g} N",
             )
         for worn, expected, pending in BODIES:
-            if worn not in row:
-                continue
-            allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
-            if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
+            if _is_off(row, worn, expected, pending):
                 yield self._not_conserved(row, worn, row[expected])
         for law in self._laws:
             for what, volume, due in law.balances(row):
@@ -96,6 +94,17 @@ class Invariants:
                     yield Violation(what, f"{what} = {volume:.9g} mm³ {_where(row)}, {due_to}")
         if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
+
+    def hold(self, steps: StepColumns) -> bool:
+        """Tell whether `of_row` has nothing to say of steps in a row; False where it is to be asked."""
+        columns, outside = steps.columns, steps.touches_rim
+        if not self._study.repeats:
+            outside = outside | steps.touches_edge
+        closed = [values for name, values in columns.items() if name not in OPEN]
+        wrong = outside | (np.abs(columns["load_residual"]) > self._residual)
+        for names in BODIES:
+            wrong = wrong | _is_off(columns, *names)
+        return not self._laws and not wrong.any() and bool(np.isfinite(closed).all())
 
     def of_columns(self, row: Mapping[str, float]) -> Iterator[Violation]:
         """Yield columns of the study's runs that a row does not have, so that they would be unknown."""
@@ -175,6 +184,14 @@ class Invariants:
             f"a larger extent is needed, of about {' × '.join(f'{1.05 * side:.2g}' for side in needed)} mm",
             sound=True,
         )
+
+
+def _is_off(row: Mapping[str, Any], worn: str, expected: str, pending: str) -> Any:
+    """Tell whether a worn volume is off what Archard's law asks for, in a row or in each of many."""
+    if worn not in row:
+        return False
+    allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
+    return abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed
 
 
 def _where(row: Mapping[str, float]) -> str:

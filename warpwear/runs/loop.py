@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import groupby
@@ -15,6 +15,7 @@ from warpwear.clock import phase
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
+from warpwear.history.recorder import Step, StepColumns
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.form import Given
@@ -177,11 +178,12 @@ class StepLoop:
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            pairs = zip(part, self._order.blocks_of(part), strict=True)
-            for _, group in groupby(pairs, lambda pair: self._tasks[pair[1].number]):
-                left, blocks = zip(*group, strict=True)
-                self._begin(left[0])
-                yield from self._steps_of(left, blocks, with_fields=with_fields)
+            blocks, first = self._order.blocks_of(part), 0
+            for _, group in groupby(self._tasks[block.number] for block in blocks):
+                steps = slice(first, first + len([*group]))
+                self._begin(part[first])
+                yield from self._steps_of(part[steps], blocks[steps], with_fields=with_fields)
+                first = steps.stop
 
     @cached_property
     def _count(self) -> int:
@@ -196,10 +198,15 @@ class StepLoop:
         """Yield the rows of a part of the plan, whose steps lie in these blocks, as `_steps` does."""
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a load on those stops a run early
         done, doubtful = len(self._rows), self._filled is not None
-        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in enumerate(left, done + 1)]
-        requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
-        steps, invariants = self._model.steps(requests), self._order.invariants
-        for (_, distance, keep), block, look, step in zip(left, blocks, looks, steps, strict=True):
+        keeps = [step[2] for step in left]
+        looks = [keep or (doubtful and n & (n - 1) == 0) for n, keep in enumerate(keeps, done + 1)]
+        asked = [look or with_fields for look in looks]
+        groups = self._model.groups([step[0] for step in left], asked, keeps)
+        invariants, first = self._order.invariants, done
+        for step in self._unless_entered(groups, left, blocks):
+            done = len(self._rows)
+            place = done - first
+            (_, distance, keep), block, look = left[place], blocks[place], looks[place]
             row = step.row
             row["distance"], row["time"], row["block"] = distance, block.time(distance), block.number
             if self._jumps is not None:
@@ -231,6 +238,37 @@ class StepLoop:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))
             self._last = step
             yield row, stop
+
+    def _unless_entered(
+        self, groups: Iterable[Step | StepColumns], left: Sequence[Planned], blocks: Sequence[Block]
+    ) -> Iterator[Step]:
+        """Yield the steps of a part of the plan, but enter those at once of which nothing is to be told."""
+        begin = len(self._rows)
+        for group in groups:
+            if isinstance(group, StepColumns):
+                first = len(self._rows) - begin
+                planned = slice(first, first + len(group))
+                if not self._entered(group, left[planned], blocks[planned]):
+                    yield from group
+            else:
+                yield group
+
+    def _entered(self, steps: StepColumns, plan: Sequence[Planned], blocks: Sequence[Block]) -> bool:
+        """Enter steps at once; return False where each of them is to be looked at."""
+        block, begins = blocks[0], not self._rows
+        distance = np.array([step[1] for step in plan])
+        more = {"distance": distance, "time": block.time(distance), "block": np.full(len(plan), block.number)}
+        steps = replace(steps, columns=steps.columns | more)
+        if self._jumps is not None or block is not blocks[-1] or not self._order.invariants.hold(steps):
+            return False
+        row = {name: float(values[0]) for name, values in steps.columns.items()}
+        if begins:
+            self._check(self._order.invariants.of_columns(row))
+        self._rows.extend(steps.columns)
+        self._progress.step(self._rows.last, count=len(steps))
+        if begins:
+            self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))
+        return True
 
     def _shown(self, row: dict[str, float]) -> RunStep:
         """Return the step of the last row, as those see it who watch the run."""

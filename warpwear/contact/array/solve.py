@@ -24,20 +24,22 @@ from warpwear.contact.array.arguments import (
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
-from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
+from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, surface_of
+from warpwear.contact.array.workplace import Workplace, workplace
 from warpwear.contact.balance import RIGID, Balance
 from warpwear.contact.certificate import Certificate, Certifier
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.contact.search import LoadSearch
 from warpwear.engine.device import check_threads
-from warpwear.engine.executor import Executor, arguments
+from warpwear.engine.executor import arguments
 from warpwear.engine.staging import download, each
 from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.bearing import TIE
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.half_space.certificate import ALONE
 from warpwear.kernels.half_space.solve import Fields, SearchRules
 from warpwear.laws.form import Form
 
@@ -194,16 +196,13 @@ def solve_contact(
         edge=edge,
         threads=workers,
     )
-    check_memory(surface.shape, device, edge)
-    with (
-        Executor(Grid(nx, ny, 1.0), device=device, threads=threads, fields_needed=0.0) as executor,
-        giving_back(executor),
-    ):
+    lent = workplace(
+        "normal", (nx, ny), lambda: check_memory((nx, ny), device, edge), device=device, threads=threads
+    )
+    with lent as place, giving_back(place.executor):
         try:
             solve = partial(solve_half_space, tolerance=tolerance) if edge else _solve_cells
-            contact, carried, touched = _contact_of(
-                task, solve(task, executor), executor, hardness, tolerance
-            )
+            contact, carried, touched = _contact_of(task, solve(task, place), place, hardness, tolerance)
             contact = replace(contact, modulus=modulus, boundary=edge)
         except ConvergenceError as error:
             raise ConvergenceError(
@@ -229,9 +228,10 @@ def solve_contact(
     return contact
 
 
-def _solve_cells(task: Task, executor: Executor) -> Solution:
+def _solve_cells(task: Task, place: Workplace) -> Solution:
     """Solve with springs, or the bearing area: to rounding."""
-    gap, stiffest = gap_field(task.gap, executor), 1.0 if task.response else RIGID
+    executor, gap, stiffest = place.executor, place.gap(task.gap), 1.0 if task.response else RIGID
+    executor.foresee(ALONE, together=True)
     load = (task.mean or 0.0) * task.gap.size
     search = LoadSearch(
         executor,
@@ -277,10 +277,11 @@ def _touches_edge(pressure: FloatArray, form: Form | FloatArray, edge: str | Non
 
 
 def _contact_of(
-    task: Task, solution: Solution, executor: Executor, hardness: float | None, tolerance: float
+    task: Task, solution: Solution, place: Workplace, hardness: float | None, tolerance: float
 ) -> tuple[ArrayContact, float, int]:
     """Return a solved task in the caller's units, certified, Σ p and the cells that carry. May raise."""
-    certificate = solution.certificate or _certify(task, solution, executor, tolerance)
+    certificate = solution.certificate or _certify(task, solution, place, tolerance)
+    executor = place.executor
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
     here = isinstance(solution.pressure, np.ndarray)
@@ -316,13 +317,18 @@ def _contact_of(
     return contact, carried, touched
 
 
-def _certify(task: Task, solution: Solution, executor: Executor, tolerance: float) -> Certificate:
+def _certify(task: Task, solution: Solution, place: Workplace, tolerance: float) -> Certificate:
     """Certify a solution of springs, of a bearing area or of a window."""
     yielded = abs(solution.approach) + float(solution.pressure.mean())
     scale = task.rms or yielded
-    pressure, response = executor.field(solution.pressure), executor.field(solution.displacement)
-    fields = {"pressure": pressure, "response": response, "gap": gap_field(task.gap, executor)}
-    return Certifier(executor, arguments(Fields, **fields, cap=min(task.cap, NO_CAP))).at(
+    cap = min(task.cap, NO_CAP)
+    fields = {
+        "pressure": place.field("pressure", solution.pressure),
+        "response": place.field("displacement", solution.displacement),
+        "gap": place.gap(task.gap),
+    }
+    certifier = place.solver(cap, lambda: Certifier(place.executor, arguments(Fields, **fields, cap=cap)))
+    return certifier.at(
         approach=solution.approach,
         load=None if task.mean is None else task.mean * task.gap.size,
         scale=scale,

@@ -15,6 +15,7 @@ from warpwear.contact.array.elastic import box_of
 from warpwear.contact.array.memory import claim
 from warpwear.contact.array.shear import ShearCertificate, ShearedContact
 from warpwear.contact.array.solve import solve_contact
+from warpwear.contact.array.workplace import Workplace, workplace
 from warpwear.contact.half_space.coupling import Coupling
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.shear import ON_CIRCLE, Pair, Sheared, ShearInfluence, ShearSearch
@@ -234,13 +235,8 @@ class _Shearing:
         pressure, length, window = self._pressure, self._length, self._window
         unit = pressure * contact.cell**2  # of forces
         part, cells = window.grid(whole), np.s_[..., window.cells[0], window.cells[1]]
-        host, *gpu = free_memory(self.options["device"])
-        needs = {host: 8.0 * FIELDS * part.cells} | dict.fromkeys(gpu, 8.0 * FIELDS_ON_GPU * part.cells)
-        claim("solve_tangential", f"{part.nx} × {part.ny} cells", needs, self.options["device"])
-        with Executor(part, fields_needed=0.0, **self.options) as executor:
-            elastic: dict[str, Any] = {"excess": self.bodies.excess, "boundary": contact.boundary}
-            operator = ShearInfluence(executor, modulus=1.0, axes=self.axes, **elastic)
-            search = ShearSearch(executor, operator, tolerance=self.tolerance)
+        with workplace("tangential", part.shape, lambda: self._claim(part), **self.options) as place:
+            search = self._search(place)
 
             def sheared(normal: ArrayContact, start: FloatArray) -> Sheared:
                 """Find the traction of a normal contact whose surfaces start from a displacement."""
@@ -260,6 +256,27 @@ class _Shearing:
             else:
                 solution = sheared(contact, np.zeros_like(self._last))
         return self._result(contact, solution, force)
+
+    def _claim(self, grid: Grid) -> None:
+        """Say what memory is needed where it is much; InputError where there is less."""
+        host, *gpu = free_memory(self.options["device"])
+        needs = {host: 8.0 * FIELDS * grid.cells} | dict.fromkeys(gpu, 8.0 * FIELDS_ON_GPU * grid.cells)
+        claim("solve_tangential", f"{grid.nx} × {grid.ny} cells", needs, self.options["device"])
+
+    def _search(self, place: Workplace) -> ShearSearch:
+        """Return what looks for tractions on a part of the cells."""
+        executor = place.executor
+        elastic: dict[str, Any] = {
+            "excess": self.bodies.excess,
+            "boundary": self.contact.boundary,
+            "axes": self.axes,
+        }
+
+        def make() -> ShearSearch:
+            operator = ShearInfluence(executor, modulus=1.0, **elastic)
+            return ShearSearch(executor, operator, tolerance=self.tolerance)
+
+        return place.solver((*elastic.values(), self.tolerance), make)
 
     def _grid(self, cell: float) -> Grid:
         rows, columns = self.contact.pressure.shape

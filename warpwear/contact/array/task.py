@@ -12,10 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from warpwear.contact.certificate import Certificate
-from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
 from warpwear.grid import FloatArray, Grid, blocks_of_rows
-from warpwear.kernels.cells import PADDING
 from warpwear.laws.form import Form
 
 #: Cells looked at together, which stay in the cache of a core.
@@ -111,9 +109,3 @@ def rms_of(gap: FloatArray) -> float:
     count = sum(block.size for block in blocks)
     mean = sum(block.sum() for block in blocks) / count
     return math.sqrt(sum(float(np.square(block - mean).sum()) for block in blocks) / count)
-
-
-def gap_field(gap: FloatArray, executor: Executor) -> Field:
-    """Make a field of a gap, with no surface beyond the counter-body's edge and in the padding."""
-    values = gap if math.isfinite(gap.max()) else np.minimum(gap, PADDING)
-    return executor.field(values, padding=PADDING)

@@ -227,16 +227,18 @@ def _sums(shape: tuple[int, int], along: IntArray, across: IntArray) -> FloatArr
     return np.stack([one * counts, x * counts, one * y, x * y]).reshape(4, -1)
 
 
-def displace(executor: Executor, pressure: Field, displacement: Field, *, modulus: float, box: Box) -> None:
-    """Return displacements [mm] of all cells of a free half-space by pressures [MPa] in a box, in float64.
+def displacing(
+    executor: Executor, pressure: Field, displacement: Field, *, modulus: float, shape: tuple[int, int]
+) -> Program:
+    """Make what displaces all cells of a free half-space [mm] by pressures in a box [MPa], in float64.
 
-    The convolution is padded no further than cells of the box and of the grid lie apart.
+    shape: on which the convolution is padded, the `apart_shape` of the box.
     """
-    shape, program = apart_shape(executor.grid, box), Program(executor)
+    program = Program(executor)
     line = wp.zeros(shape[0] // 2 + 1, dtype=wp.float64, device=executor.device)
     table = free_quarter(executor.grid, modulus, shape)
     filter_of(executor, table, shape, np.float64).add_to(program, pressure, line, displacement)
-    program.run()
+    return program
 
 
 def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:

@@ -16,13 +16,12 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
-import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Certifier
 from warpwear.contact.half_space.influence import Influence
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.numbers import Mirror
+from warpwear.engine.numbers import Mirror, Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
@@ -78,13 +77,14 @@ class Search:
         gathered = rows, LANES * executor.vectors * self._extends
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
 
+        self._kernel_rules = self._rules_for(groups)
         self._solve = arguments(
             solve.Solve,
             device,
             columns=grid.ny,
             wraps_along=int(operator.wraps[0]),
             wraps_across=int(operator.wraps[1]),
-            rules=wp.array([self._kernel_rules(groups)], dtype=solve.Rules, device=device),
+            rules=self._kernel_rules.array,
             fields=arguments(
                 solve.Fields,
                 device,
@@ -112,6 +112,10 @@ class Search:
         #: Ranges of slots for the threads, as of `Program.launch`.
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
         self._program = self._make_program()
+
+    def allow(self, tolerance: float) -> None:
+        """Tell what violation the next runs may leave, as `SearchRules` says."""
+        self._kernel_rules.set(tolerance=tolerance)
 
     def streak(self, window: int) -> None:
         """Tell over how many cells along x the pressures are averaged that pass a cell."""
@@ -291,13 +295,14 @@ class Search:
     def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
         program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)
 
-    def _kernel_rules(self, groups: int) -> Any:
+    def _rules_for(self, groups: int) -> Numbers:
         """Return the rules as kernels take them."""
         rules = vars(self._rules) | {"few": self._few, "tiled": int(self._tiled)}
         rules["single_rounding"] *= self._single
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
         loads = {"load_tolerance": TOLERANCE, "certified_load": LOAD_TOLERANCE}
-        return arguments(solve.Rules, **rules, **loads, group_cells=float(cells))
+        device = self._executor.device
+        return Numbers(solve.Rules, device, written=False, **rules, **loads, group_cells=float(cells))
 
 
 def room_for_few(most: int, device: Any, shape: tuple[int, int], elastic: Field, along: Field) -> Any:

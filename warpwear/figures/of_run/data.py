@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from warpwear.engine.executor import Executor
+from warpwear import lazy
 from warpwear.figures.of_run.view import Cutout, Fields, FilmState, PatchLoads, State, View, or_nan
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
@@ -20,12 +20,14 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
 from warpwear.laws.depth_profile import DepthProfile, of_materials
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.shares import SmoothContact
 from warpwear.results.evolution import SurfaceEvolution, spectrum_in_scar, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.track import is_short, whole_steps
 from warpwear.surfaces.spectrum import Spectrum
+
+execution = lazy.module("warpwear.engine.executor")
+shares = lazy.module("warpwear.models.patches.shares")
 
 #: Most blocks along a side of a map, and of the relief in 3-D.
 MAP_BLOCKS, SURFACE_BLOCKS = 500, 60
@@ -325,8 +327,8 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
         return None
     patches, task = study.patch_layout, replace(study.contact_task, form=result.form)
     loads, slid = [], 0.0
-    with Executor(Grid(patches.count, 1, patches.domain.cell), threads=1) as executor:
-        smooth = SmoothContact(task, patches, executor)
+    with execution.Executor(Grid(patches.count, 1, patches.domain.cell), threads=1) as executor:
+        smooth = shares.SmoothContact(task, patches, executor)
         for increment in result.history["increment"][: max(rows) + 1].tolist():
             removal = sum(law.wear_per_pressure(slid, increment) for law in study.wear_laws)
             loads.append(smooth.area * smooth.press(foundation=study.pair.bulk_stiffness, removal=removal))

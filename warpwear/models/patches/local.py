@@ -14,7 +14,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import tile_extremes
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Step
+from warpwear.history.recorder import Step, StepColumns
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches as passes
@@ -160,7 +160,9 @@ class TwoScaleModel(Model):
         """Tell whether the device takes the next steps by itself."""
         return not self.contact.features
 
-    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+    def replay(
+        self, increments: Sequence[float], then: float | None
+    ) -> tuple[int, Iterator[Step | StepColumns]]:
         """Make steps on the device, fewer where the contact grows to the edge, or to another material."""
         count = self._wears.together(increments)
         if not count:
@@ -243,7 +245,7 @@ class TwoScaleModel(Model):
         """
         task, row = self.task, self._ledger.row
         known = [*increments, *([] if then is None else [then])]
-        removals = wear_in_steps(task.wear, row["distance"], known)
+        removals = [(k, of_disc) for k, of_disc in wear_in_steps(task.wear, row["distance"], known).tolist()]
         flexibility = 1.0 / self._ledger.foundation
         plan = self._steps.plan.numpy()
         plan[:, 0] = -1.0  # where no step follows

@@ -83,7 +83,7 @@ class PatchWear:
         if self.is_apart or self._together:
             return 0
         removals = wear_in_steps(self._task.wear, self.ledger.row["distance"], increments)
-        of_bodies = dict(zip(BODIES, np.array(removals).T, strict=True))
+        of_bodies = dict(zip(BODIES, removals.T, strict=True))
         return steps_above(self._task, self._executor.grid.cell_area, self.ledger.most, of_bodies)
 
     def begin(self, increment: float, removals: tuple[float, float]) -> float:

@@ -20,7 +20,7 @@ from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Entry, Ledger, Step, split_wear
+from warpwear.history.recorder import Entry, Ledger, Step, StepColumns, each_step, split_wear
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
@@ -32,9 +32,8 @@ from warpwear.models.unworn import gap_over
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
-#: Steps of a replay at most, of a GPU, and cells of all its steps on a CPU: those of a large grid are to be
-#: seen, too.
-LONGEST, LONGEST_ON_GPU, CELLS_OF_REPLAY = 500, 2000, 2.0e8
+#: Steps of a replay at most, and cells of all its steps on a CPU: those of a large grid are to be seen, too.
+LONGEST, CELLS_OF_REPLAY = 2000, 2.0e8
 #: Steps that a GPU makes between two looks at its flags, where the second needs no search: such a look takes
 #: as long as a small pass. A pass that waits for a search does nothing.
 AT_A_LOOK = 2
@@ -67,8 +66,8 @@ class OneScaleModel(Model):
         foresee(task, executor)
         self.task = task
         self._executor = executor
-        fitting = max(int(CELLS_OF_REPLAY / executor.grid.cells), 1)
-        self.longest_block = min(self.longest_block, fitting) if executor.device.is_cpu else LONGEST_ON_GPU
+        if executor.device.is_cpu:
+            self.longest_block = min(self.longest_block, max(int(CELLS_OF_REPLAY / executor.grid.cells), 1))
         self._ledger = Ledger(task, executor.grid)
         #: Gap from the mean planes as worn, and as it was without wear [mm]: what is worn lies between. Steps
         #: near a late contact move three fields, not six; their rounding is that of the gap, 1e-17 mm a step.
@@ -91,8 +90,8 @@ class OneScaleModel(Model):
         self._steps = arguments(
             wear.RestSteps,
             device,
-            plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
-            history=(LONGEST_ON_GPU, columns),
+            plan=(LONGEST + 1, len(wear.PLAN)),
+            history=(LONGEST, columns),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             memory=self._course.array,
             is_rigid=int(task.rigid),
@@ -166,7 +165,9 @@ class OneScaleModel(Model):
         """Whether steps can be made in a row: not where 1/c of one follows from the area of the last."""
         return not self.task.bulk_updated
 
-    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+    def replay(
+        self, increments: Sequence[float], then: float | None
+    ) -> tuple[int, Iterator[Step | StepColumns]]:
         """Make steps on the device, before the first of them is seen."""
         removals = self._write_plan(increments, then)
         self._many.run()
@@ -183,28 +184,35 @@ class OneScaleModel(Model):
         if not with_pressure:
             self._many.run()
             self.check()
-            return next(self._booked([increment], removals))
+            return next(each_step(self._booked([increment], removals)))
         self._to_search.run()
         self.check()
         pressure = self._search.pressures()
         self._to_wear.run()
-        return next(self._booked([increment], removals))._replace(pressure=pressure)
+        return next(each_step(self._booked([increment], removals)))._replace(pressure=pressure)
 
     def check(self) -> None:
         """Raise ConvergenceError for a step that was not made."""
         if self._course["failed"]:
             self._search.check()
 
-    def _write_plan(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
-        """Write the plan of the next steps, and of the one after them; return K ΔL of counter and disc."""
+    def _write_plan(self, increments: Sequence[float], then: float | None) -> FloatArray:
+        """Write the plan of the next steps, and of the one after them; return K ΔL of counter and disc.
+
+        A row is a step [mm³/N].
+        """
         known = [*increments, *([] if then is None else [then])]
         removals = wear_in_steps(self.task.wear, self._ledger.row["distance"], known)
-        plan = [(sum(removed), self._stiffness_of(*removed)) for removed in removals]
+        counter, disc = removals.T
+        compliance = np.full(len(known), self.task.compliance_at(self._ledger.row["area_contact"]))
+        if self.task.implicit:
+            compliance = (compliance + counter) + disc
+        plan = np.stack([counter + disc, stiffness_of(compliance)], axis=1)
         self._executor.put(self._steps.plan[: len(plan)], plan)
         self._course.set(step=0, steps=len(increments), known=len(known))
         return removals
 
-    def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
+    def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step | StepColumns]:
         """Return the steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
@@ -214,7 +222,7 @@ class OneScaleModel(Model):
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
         total, most = (split_wear(part, self.task.wear_fractions) for part in (total, most))
-        removed, balance = np.array(removals)[:count].T, Balance(base, offset, cap, residual, *others[:-1])
+        removed, balance = removals[:count].T, Balance(base, offset, cap, residual, *others[:-1])
         steps = Entry(balance, np.array(increments[:count]), tuple(removed), others[-1], total, most)
         return booked(self._ledger, steps, self._enter)
 
@@ -223,10 +231,3 @@ class OneScaleModel(Model):
         if not self.task.rigid:
             checked_residual(balance.load_residual, self.task.load, approach=balance.approach)
         return self._ledger.enter(balance, *columns)
-
-    def _stiffness_of(self, removal_counter: float, removal_disc: float) -> float:
-        """1/c [N/mm³] of a step that wears counter-body and disc by K ΔL [mm³/N]."""
-        compliance = self.task.compliance_at(self._ledger.row["area_contact"])
-        if self.task.implicit:
-            compliance = (compliance + removal_counter) + removal_disc
-        return stiffness_of(compliance)

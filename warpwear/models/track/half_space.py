@@ -18,7 +18,7 @@ from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
-from warpwear.kernels import contact, fourier, wear_from_pressure
+from warpwear.kernels import fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, OF_FEATURES, PressureSum, names_of
 from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, RowSums, Slide
@@ -90,7 +90,7 @@ class SlidingHalfSpace:
         track_fraction: float = 1.0,
         moves: bool = True,
     ) -> None:
-        kernels = [passes.advance, contact.gap, wear_from_pressure.gaps, fourier.forward[np.float64]]
+        kernels = [passes.advance, wear_from_pressure.gaps, fourier.forward[np.float64]]
         executor.foresee(kernels)  # what takes longest first
         self.state = SlidingBodies.of(task, executor, disc)
         self.task = task

@@ -13,7 +13,7 @@ from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Entry, Ledger, Step
+from warpwear.history.recorder import Entry, Ledger, Step, each_step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, OF_FEATURES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.sliding import Bodies, RowSums, Slide, StepTables, TileBounds
@@ -257,7 +257,7 @@ class SlidingContact:
         Behind K ΔL is what shear wears off a cell in contact. A row is a step.
         """
         task, row = self.task, self.ledger.row
-        removals = np.array(wear_in_steps(task.wear, row["distance"], increments))
+        removals = wear_in_steps(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
         moved = np.array(shifts)
         for shift in (moved.min(), moved.max()):
@@ -342,7 +342,7 @@ class SlidingContact:
         *numbers, reference = (columns[name] for name in BALANCE)
         slid, removed = np.array(increments[:count]), tuple(removals[:count].T)
         steps = Entry(Balance(*numbers), slid, removed, reference, total, most)
-        return booked(self.ledger, steps, self._enter)
+        return each_step(booked(self.ledger, steps, self._enter))
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.grid import FloatArray
-from warpwear.history import stresses
 from warpwear.history.quantities import UNITS
 from warpwear.results.formats.bodies import WRITABLE, Files, Job
 from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
+
+stresses = lazy.module("warpwear.history.stresses")
 
 #: Bytes that are packed together.
 BLOCK = 2**20
