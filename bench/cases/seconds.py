@@ -1,4 +1,4 @@
-"""Time what the README and the page of models give seconds for, and add a record to bench/recorded/seconds.json.
+"""Time what the README and the page of models give seconds for, and record it in bench/recorded/seconds.json.
 
     python bench/cases/seconds.py [--rows v1,v3-fine] [--turns 3] [--tree CHECKOUT] [--device cuda:0]
                                   [--write]
