@@ -131,6 +131,18 @@ class Transfer:
 
 
 @wp.struct
+class Lap:
+    """Holds pressures of the places of a lap, those of the last above those of the one before."""
+
+    laps: wp.array2d(dtype=Cells)  # [MPa]
+    rows: wp.int32  # of a place, of each lap
+    pressure: wp.array2d(dtype=Cells)  # in a window [MPa]
+    first: wp.array(dtype=wp.int32)  # row and vector among laps where the window begins
+    ahead: wp.array(dtype=wp.float64)  # distance from the last lap on, over that between both; one number
+    cap: wp.float64  # [MPa]
+
+
+@wp.struct
 class ContactReach:
     """Tells what a contact reaches: its cells below its approach, and the level of its certificate."""
 
@@ -149,6 +161,16 @@ def take_window(transfer: Transfer):
 @native_pass("give_window", module=TOGETHER)
 def give_window(transfer: Transfer):
     """Copy a field of a window to where it lies in the larger grid."""
+
+
+@native_pass("take_lap", module=TOGETHER)
+def take_lap(lap: Lap):
+    """Start from the pressure of a place in the last lap, or from where that leads to."""
+
+
+@native_pass("keep_lap", module=TOGETHER)
+def keep_lap(lap: Lap):
+    """Keep the pressure of a place, and that of the lap before."""
 
 
 @native_pass("restrict_cells", module=TOGETHER)
