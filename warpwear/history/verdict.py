@@ -36,12 +36,13 @@ def errors_of_area(study: Study, s: Mapping[str, Any], history: Mapping[str, Flo
     """Map what makes an area uncertain to its part of the area; NaN where that is not known."""
     track, static = s.get("track", {}), history.get("area_static", np.zeros(0))
     ways = track.get("last_cycle", {}).get("area_contact_mm2", {"forward": 1.0, "backward": 1.0})
+    steps = track.get("parts", {"estimated_error_at_most": 0.0})["estimated_error_at_most"]
     solved = np.flatnonzero(np.isfinite(static))[-1:]
     yielding = np.abs(1.0 - static[solved] / history["area_contact"][solved]) if solved.size else np.zeros(1)
     flat = study.disc.synthetic is not None and study.disc.synthetic.kind == "flat"
     return {
         "cell": math.nan if study.is_rough and not flat else _rim(study, s),
-        "length of steps": track.get("parts", {}).get("estimated_error_at_most", 0.0),
+        "length of steps": math.nan if steps is None else steps,
         "direction": abs(ways["forward"] - ways["backward"]) / (ways["forward"] + ways["backward"]),
         "wear within a step": float(yielding[0]),
         "balance of the load": s["load_residual_N"]["largest"] / s["load_N"],

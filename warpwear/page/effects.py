@@ -73,12 +73,12 @@ def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
     area, strength = s["area_mm2"], s["shear_strength_MPa"]
     reach = 0.5 * max(s["scar_mm"].values()) * study.counter.form.curvature
     names = ("contact", "touched", "nominal", "cumulative") if strength is not None else ()
-    steps = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
+    steps = s.get("track", {}).get("parts", {}).get("estimated_error_at_most")
     return {
         "capped": 100.0 * float(area["plastic"] / area["contact"]) if area["contact"] else 0.0,
         "at_the_end": " at the end" if study.sliding.total else "",
         "coefficient": "the coefficient" + " less its ploughing part" * bool(study.friction.ploughing),
         "coefficients": shown({name: strength * area[name] / s["load_N"] for name in names}, 3),
         "rim": 100.0 * (1.0 - math.sqrt(max(0.0, 1.0 - reach**2))),
-        "steps": 100.0 * steps,
+        "steps": "that is not known" if steps is None else f"it does by {100.0 * steps:.2g} % at most",
     }

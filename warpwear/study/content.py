@@ -341,6 +341,8 @@ class Content(Programme):
             film=self.film,
             pieces=self.pieces,
             static_area_every=self.static_area_every,
+            lap_memory=1.0e6 * self.run.lap_memory,
+            area_error=self.stepping.area_error,
             fretting=self.fretting,
             profiles=self.profiles,
             largest_shear=self.largest_shear,
