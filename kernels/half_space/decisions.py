@@ -209,7 +209,8 @@ def judge_groups(solve: Solve, n: search.SearchNumbers):
         group.violation = wp.max(off, ZERO)
         yielded = wp.abs(group.level) + n.response * group.total / rules.group_cells
         group.scale = wp.where(group.rms > ZERO, group.rms, yielded)
-        group.allowed = wp.max(rules.tolerance * group.scale, rules.rounding * yielded)
+        allowed = solve.request[Request.TOLERANCE] * group.scale
+        group.allowed = wp.max(allowed, rules.rounding * yielded)
         if search.writes(solve):
             solve.groups[i] = group
         judged.between += between
@@ -303,6 +304,7 @@ def conclude(solve: Solve, proof: Proof):
         converged = solve.numbers[0].status == search.CONVERGED
         certified = solve.request[Request.CERTIFIED] > ZERO
         solve.flags[Flag.CERTIFIES] = wp.where(converged and certified, 1, 0)
+        solve.flags[Flag.HOLDS] = wp.where(converged, 1, 0)
         solve.flags[Flag.SOLVING] = 0
 
 
@@ -325,6 +327,8 @@ def accept(solve: Solve, proof: Proof):
         holds = holds and violation <= group.allowed and group.gap < NONE
         faults += wp.where(holds, ZERO, ONE)
     faults = search.over_groups(proof, faults, True)
+    if search.lane() == 0 and faults > ZERO:
+        solve.flags[Flag.HOLDS] = 0
     if search.lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
         solve.request[Request.ANEW] = ZERO
         solve.request[Request.ROUGH] = ZERO

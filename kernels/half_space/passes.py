@@ -82,6 +82,18 @@ class Transfer:
 
 
 @wp.struct
+class Lap:
+    """Holds pressures of the places of a lap, those of the last above those of the one before."""
+
+    laps: wp.array2d(dtype=Cells)  # [MPa]
+    rows: wp.int32  # of a place, of each lap
+    pressure: wp.array2d(dtype=Cells)  # in a window [MPa]
+    first: wp.array(dtype=wp.int32)  # row and vector among laps where the window begins
+    ahead: wp.array(dtype=wp.float64)  # distance from the last lap on, over that between both; one number
+    cap: wp.float64  # [MPa]
+
+
+@wp.struct
 class ContactReach:
     """Tells what a contact reaches: its cells below its approach, and the level of its certificate."""
 
@@ -96,6 +108,10 @@ class ContactReach:
 take_window = pass_over(Transfer, "take_window", module=TOGETHER)
 #: Copy a field of a window to where it lies in the larger grid.
 give_window = pass_over(Transfer, "give_window", module=TOGETHER)
+#: Start from the pressure of a place in the last lap, or from where that leads to.
+take_lap = pass_over(Lap, "take_lap", module=TOGETHER)
+#: Keep the pressure of a place, and that of the lap before.
+keep_lap = pass_over(Lap, "keep_lap", module=TOGETHER)
 #: Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none.
 restrict = pass_over(Transfer, "restrict_cells", module=TOGETHER)
 #: Give each cell the value of the wide cell that it lies in.

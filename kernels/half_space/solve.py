@@ -44,6 +44,7 @@ class Request(IntEnum):
     CERTIFIED = 4  # 1 where its pressure is to be certified
     RENEWED = 5  # 1 where it follows one whose pressure could not be certified, or did not balance
     LONGER_RESPONSE = 6  # to waves about as long as asperities are, compliance included [mm/MPa]
+    TOLERANCE = 7  # largest violation of complementarity, over the rms height of the gap
 
 
 class Flag(IntEnum):
@@ -65,6 +66,7 @@ class Flag(IntEnum):
     BALANCING = 13
     SOLVING = 14
     CERTIFIES = 15
+    HOLDS = 16
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,8 @@ def test_every_model_books_what_is_declared_of_it(case: str, watch: Callable[...
     assert all(booked <= set(row) <= declared for row in seen)
     assert list(result.history) == [column.name for column in columns_of(study)]
     certified = {"violation", "energy_gap", "energy_gap_relative"} & booked  # now and then
-    assert all(np.isfinite(result.history[name]).all() for name in booked - certified)
+    always = booked - certified - {"area_error"}  # that is measured on the way
+    assert all(np.isfinite(result.history[name]).all() for name in always)
     assert all(np.isfinite(result.history[name][[0, -1]]).all() for name in certified)
     assert set(result.snapshot(-1).fields) == {n for n, field in FIELDS.items() if field.applies_to(study)}
     for quantity in per("patch"):

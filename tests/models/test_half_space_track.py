@@ -21,7 +21,7 @@ from cases_sliding_half_space import (
 )
 from cases_track import CELL as TRACK_CELL
 from cases_track import TRACKS, WINDOW, rough, small
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal, assert_equal
 
 import warpwear
 from warpwear import Study
@@ -33,8 +33,10 @@ from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.sliding import Slide
+from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
+from warpwear.models.track.part_length import PartLength
 from warpwear.runs.plan import plan_of
 
 #: On a GPU the transforms need their library.
@@ -168,21 +170,16 @@ def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
             assert step.row["approach"] == pytest.approx(first.row["approach"], rel=1e-9)
 
 
-@pytest.fixture
-def parts_off_by(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
-    """Let the parts of a step be as long as such an error of the area allows."""
-    return lambda error: monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", error)
-
-
 @pytest.mark.parametrize(
     ("track", "wears"), [("full", True), ("representative", True), ("rotating", False)], ids=str
 )
 def test_a_track_goes_on_from_any_step(
-    track: str, wears: bool, two_threads: int, parts_off_by: Callable[[float], None]
+    track: str, wears: bool, two_threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
-    parts_off_by(0.4)  # parts of a few cells
-    study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
+    monkeypatch.setattr("warpwear.models.track.part_length.LEAST_STEPS", 2)
+    study = small(track, contact__law="half-space", sliding__plastic="keep", stepping__area_error=0.2)
+    study = study.replace({"sliding.distance": "3 mm" if track == "rotating" else "9 mm"})
     study = study if wears else study.replace({"wear.counter": "0 mm^3/N/m"})
     path = study.track
     plan = [(increment, True) for increment, _, _ in plan_of(study)]
@@ -201,12 +198,14 @@ def test_a_track_goes_on_from_any_step(
             return [step.row for step in steps], gap, *fields_of(model.contact, executor).values()
 
     rows, *fields = outcome(1, None)
-    assert 1 < rows[1]["parts"] < path.shift  # the contact of the step before decides
+    assert rows[0]["parts"] == path.shift > rows[-1]["parts"]
+    assert np.isnan(rows[0].pop("area_error"))
     touched = fields[-1] if not wears else fields[3]  # reached, or the counter-body's wear
     assert rows[-1]["area_touched"] == pytest.approx(np.count_nonzero(touched) * TRACK_CELL**2)
-    for restart in (None, 1):
+    for restart in (None, 3, 8):
         again, *fields_again = outcome(two_threads, restart)
-        assert again == rows
+        again[0].pop("area_error")
+        assert_equal(again, rows)  # of NaN, too
         for one, other in zip(fields_again, fields, strict=True):
             assert_array_equal(one, other)
 
@@ -234,9 +233,13 @@ def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
 
 
 @pytest.mark.parametrize("track", ["full", "representative"])
-def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
+def test_a_step_over_a_smooth_disc_is_one_of_single_cells(
+    track: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A row holds the means over its parts; what the bodies lost, and the last pressure, are the same."""
+    monkeypatch.setattr(SlidingHalfSpace, "on_the_way", None)
     smooth = {"disc.synthetic": {"kind": "flat"}, "contact.law": "half-space", "sliding.distance": "1.8 mm"}
+    monkeypatch.setattr(PartLength, "begins", False)
     study = small(track).replace(smooth)
     shift = study.track.shift
     divided, cell_by_cell = (warpwear.run(study.replace({"sliding.shift": n})) for n in (shift, 1))
@@ -245,22 +248,35 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
     assert found["parts"].max() == shift
     assert ends[-1] == expected["parts"].sum() == expected["parts"].size
     for name in ("distance", "wear_volume_counter", "wear_volume_disc", "area_touched", "wear_depth_disc"):
-        assert_allclose(found[name], expected[name][ends - 1], rtol=1e-9, err_msg=name)
+        assert_allclose(found[name], expected[name][ends - 1], rtol=1e-5, err_msg=name)
     for name, of_parts in (("area_contact", np.mean), ("approach", np.mean), ("pressure_max", np.max)):
         asked = [of_parts(part) for part in np.split(expected[name], ends[:-1])]
-        assert_allclose(found[name], asked, rtol=1e-6, err_msg=name)
+        assert_allclose(found[name], asked, rtol=1e-5, err_msg=name)
     assert_allclose(found["pressure_mean"] * found["area_contact"], 8.0, rtol=1e-9)
     for name, field in divided.snapshot(-1).fields.items():
-        assert_allclose(field, cell_by_cell.snapshot(-1).fields[name], atol=1e-6 * np.abs(field).max())
+        assert_allclose(field, cell_by_cell.snapshot(-1).fields[name], atol=2e-5 * np.abs(field).max())
     summed = divided.summary["track"]["parts"]
-    assert summed == {"number": ends[-1], "most_of_a_step": shift, "estimated_error_at_most": 0.0}
+    assert summed == {"number": ends[-1], "most_of_a_step": shift, "estimated_error_at_most": None}
 
 
-def test_a_step_that_stays_too_long_is_told_of(parts_off_by: Callable[[float], None]) -> None:
-    parts_off_by(np.inf)
-    result = warpwear.run(small("representative", contact__law="half-space", sliding__distance="1.2 mm"))
-    assert result.history["parts"].max() == 1.0
-    assert any("too long for 2 of the steps" in note for note in result.summary["warnings"])
+def test_the_error_that_parts_make_is_told_and_held() -> None:
+    """Against parts of one cell; half a cycle of a smooth ball, whose outline long parts smear."""
+    changes: dict[str, Any] = {"disc.synthetic": {"kind": "flat"}, "sliding.distance": "60 mm"}
+    study = small("representative", contact__law="half-space").replace(changes | {"stepping.jump": 1})
+    single, divided = (
+        warpwear.run(study.replace({"stepping.area_error": allowed})) for allowed in (1e-6, 0.5)
+    )
+    areas = [run.history["area_contact"][-10:].mean() for run in (divided, single)]
+    told = divided.summary["track"]["parts"]["estimated_error_at_most"]
+    assert divided.history["parts"].sum() < 0.6 * single.history["parts"].sum()
+    assert abs(areas[0] / areas[1] - 1.0) <= told
+    assert single.summary["track"]["parts"]["estimated_error_at_most"] > 0.0
+
+
+def test_parts_that_change_the_area_much_are_told_of() -> None:
+    study = small("representative", contact__law="half-space", sliding__distance="60 mm")
+    result = warpwear.run(study.replace({"stepping.area_error": 0.5, "disc.synthetic": {"kind": "flat"}}))
+    assert any("change the area by more than 10 %" in note for note in result.summary["warnings"])
 
 
 def sliding_ball(ra: float, shift: int, *, cell: str, passes: int, **changes: str) -> dict[str, FloatArray]:

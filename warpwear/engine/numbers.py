@@ -45,6 +45,11 @@ class Numbers:
             wp.copy(self.array, self._there)
 
     @property
+    def host(self) -> Any:
+        """Return the array as the host has it."""
+        return self._there.numpy()
+
+    @property
     def values(self) -> dict[str, Any]:
         """Return all members by name, of a struct of numbers, vectors and structs of such."""
         host = self._read()
@@ -71,19 +76,24 @@ class Mirror:
             (array, array if array.device.is_cpu else wp.zeros_like(array, device="cpu", pinned=True))
             for array in arrays
         ]
+        self._is_far = any(array is not host for array, host in self._pairs)
         self.values: list[Any] = [host.numpy() for _, host in self._pairs]
 
     def read(self) -> list[Any]:
         """Wait for the device; the values of every array."""
-        for array, host in self._pairs:
-            if array is not host:
+        if self._is_far:
+            for array, host in self._pairs:
                 wp.copy(host, array)
-        wp.synchronize_device(self._pairs[0][0].device)
+            wp.synchronize_device(self._pairs[0][0].device)
         return self.values
 
     def write(self, *values: Any) -> None:
         """Give the arrays other values. Those that were written before must have been used."""
-        for (array, host), place, new in zip(self._pairs, self.values, values, strict=True):
+        for place, new in zip(self.values, values, strict=True):
             place[...] = new
-            if array is not host:
-                wp.copy(array, host)
+        self.send()
+
+    def send(self) -> None:
+        """Give the arrays what was changed in `values`."""
+        for array, host in self._pairs if self._is_far else ():
+            wp.copy(array, host)

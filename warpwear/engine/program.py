@@ -231,6 +231,15 @@ class Program:
         """Do what is added within if flag[0] is not 0. flag: one number, int32."""
         yield from self._within(Branch(flag))
 
+    @contextmanager
+    def on(self, executor: Executor) -> Iterator[None]:
+        """Add what is added within for the grid of another executor of this device."""
+        own, self._executor = self._executor, executor
+        try:
+            yield
+        finally:
+            self._executor = own
+
     def run(self) -> None:
         """Replay the program; on a GPU it is queued."""
         self._runs += 1

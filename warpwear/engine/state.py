@@ -34,10 +34,21 @@ class InFrame:
 
 
 @dataclass(frozen=True)
+class Aside:
+    """Declares what a run has learnt, and not its bodies: whole copies leave it out, and as it is.
+
+    kind: its type, as others have it.
+    """
+
+    kind: Any
+
+
+@dataclass(frozen=True)
 class _Entries:
     """Holds the arrays of a state by dotted name, and the frames of those that declare one."""
 
     whole: bool
+    aside: bool
     arrays: dict[str, np.ndarray] = field(default_factory=dict)
     frames: dict[str, Frame] = field(default_factory=dict)
 
@@ -50,13 +61,16 @@ class Part(Protocol):
         """Names and types of the attributes that steps change."""
 
 
-def save(part: Part, *, whole: bool = False) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def save(
+    part: Part, *, whole: bool = False, aside: bool | None = None
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Return arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
 
     Arrays of a CPU are views, which the next step changes. whole: whether they are copies, of all columns,
-    so that `restore` takes back what steps have done since.
+    so that `restore` takes back what steps have done since. aside: whether what is `Aside` is there, too; by
+    default not among copies.
     """
-    entries = _Entries(whole)
+    entries = _Entries(whole, not whole if aside is None else aside)
     numbers = _saved(part, "", entries)
     arrays = entries.arrays
     return {name: values.copy() for name, values in arrays.items()} if whole else arrays, numbers
@@ -64,7 +78,7 @@ def save(part: Part, *, whole: bool = False) -> tuple[dict[str, np.ndarray], dic
 
 def frames(part: Part) -> dict[str, Frame]:
     """Return the frames of the arrays that `save` returns, by the same names, of those that declare one."""
-    entries = _Entries(whole=True)
+    entries = _Entries(whole=True, aside=True)
     _saved(part, "", entries)
     return entries.frames
 
@@ -80,7 +94,7 @@ def check(part: Any, name: str, others: Collection[Any] = ()) -> None:
     for member, value in vars(part).items():
         if member not in declared and _has_array(value, known):
             raise TypeError(f"neither STATE nor SCRATCH of {name} has {member}, which holds an array")
-    entries = _Entries(whole=True)
+    entries = _Entries(whole=True, aside=True)
     _saved(part, "", entries)
     if lost := {path for path, values in entries.arrays.items() if values.size} - entries.frames.keys():
         raise TypeError(f"STATE of {name} declares no frame (InFrame) of {', '.join(sorted(lost))}")
@@ -111,6 +125,10 @@ def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, 
 def _saved(part: Any, path: str, entries: _Entries, frame: Frame | None = None) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     for name, kind in part.STATE.items():
+        if isinstance(kind, Aside):
+            if not entries.aside:
+                continue
+            kind = kind.kind
         value, place = getattr(part, name), path + name.lstrip("_")
         numbers[name] = _put(value, kind, place, entries, frame)
         if isinstance(kind, InFrame) and kind.columns:
@@ -143,6 +161,10 @@ def _put(value: Any, kind: Any, path: str, entries: _Entries, frame: Frame | Non
 
 def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
     for name, kind in part.STATE.items():
+        if isinstance(kind, Aside):
+            if name not in numbers:
+                continue
+            kind = kind.kind
         before, place = getattr(part, name), path + name.lstrip("_")
         if isinstance(kind, InFrame) and kind.columns:
             host = before.numpy()

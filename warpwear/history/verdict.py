@@ -40,7 +40,7 @@ def errors_of_area(study: Study, s: Summary, history: Mapping[str, FloatArray]) 
     flat = study.disc.synthetic is not None and study.disc.synthetic.kind == "flat"
     return {
         "cell": None if study.is_rough and not flat else _rim(study, s),
-        "length of steps": s.step_error or 0.0,
+        "length of steps": s.step_error if "parts" in history else 0.0,
         "direction": (max(ways) - min(ways)) / sum(ways),
         "wear within a step": float(yielding[0]),
         "balance of the load": s.load_residual / s.load,

@@ -35,7 +35,7 @@ class FeatureLaw:
 PLAIN = {
     *("load", "hardness", "form", "compliance", "implicit", "rigid", "load_tolerance", "distance_factor"),
     *("keeps_dents", "bulk_stiffness", "bulk_updated", "uses_bulk_stiffness", "prescribed_loads"),
-    *("half_space", "modulus", "boundary", "static_area_every"),
+    *("half_space", "modulus", "boundary", "static_area_every", "lap_memory", "area_error"),
 }
 
 
@@ -64,6 +64,10 @@ class ContactTask:
     boundary: str = "free"  # of the half-space: "free" or "periodic"
     film: Film | None = None  # on the bodies, under which the hardness of a cell may be another
     static_area_every: int = 0  # steps between contacts that are also solved without wear; 0: none are
+    lap_memory: float = 256.0e6  # for pressures of a lap, from which contacts of the next begin [B]
+    area_error: float = (
+        0.025  # that the length of parts of a step may make in the area of a contact, relative
+    )
     pieces: Pieces | None = None  # by which bodies wear; None: all wear leaves at once
     fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
     #: What counter-body and disc are made of by worn depth; None where they are alike at all depths.

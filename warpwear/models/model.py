@@ -25,6 +25,8 @@ class Model(ABC):
     certified = False
     #: Cycles of a track that the next steps stand for, each: their increments are as many times as long.
     stands_for = 1
+    #: Whether steps are learnt from, and whether the next may be divided otherwise than the last.
+    measures = divides = True
     #: Rows of a closed track by which they begin elsewhere.
     turned = 0
 

@@ -73,11 +73,13 @@ def numbers_of(study: Study, s: Summary) -> dict[str, Any]:
     """Collect the numbers of a run that sentences and their cases go by."""
     tau, reach = s.shear_strength, 0.5 * max(s.patch_along, s.patch_across) * study.counter.form.curvature
     names = ("contact", "touched", "nominal", "cumulative") if tau is not None else ()
+    error = s.step_error
+    steps = "that is not known" if error is None else f"it does by {100.0 * error:.2g} % at most"
     return {
         "capped": 100.0 * (s.area_plastic / s.area_contact) if s.area_contact else 0.0,
         "at_the_end": " at the end" if study.sliding.total else "",
         "coefficient": "the coefficient" + " less its ploughing part" * bool(study.friction.ploughing),
         "coefficients": shown({name: getattr(s, f"area_{name}") * tau / s.load for name in names}, 3),
         "rim": 100.0 * (1.0 - math.sqrt(max(0.0, 1.0 - reach**2))),
-        "steps": 100.0 * (s.step_error or 0.0),
+        "steps": steps,
     }

@@ -20,7 +20,7 @@ from warpwear.study.text import readable
 
 Lines: TypeAlias = list[dict[str, Any]]  # of a table, name of a column -> value
 #: What checks allow: part of a volume off Archard's, and of the area by the length of steps.
-CONSERVED, STEPS = 1e-10, 0.02
+CONSERVED, STEPS = 1e-10, 0.1
 APPROACH = "from the mean planes; below zero only peaks reach across"
 
 

@@ -150,11 +150,15 @@ def _parts(history: Mapping[str, FloatArray]) -> list[Row]:
     """Declare the parts that steps on the half-space were solved in, and what their length may do."""
     if "parts" not in history:
         return []
-    number, error = int(history["parts"].sum()), float(history["area_error"].max())
+    number, known = int(history["parts"].sum()), history["area_error"][np.isfinite(history["area_error"])]
     least, most = int(history["parts"].min()), int(history["parts"].max())
+    error = float(known.max()) if known.size else None
     numbers = {"number": number, "most_of_a_step": most, "estimated_error_at_most": error}
     text = f"{f'{least} to ' * (least < most)}{most}"  # a row of the history may stand for many steps
-    text += f"; by estimate their length changes the area by at most {100.0 * error:.2g} %"
+    if error is None:
+        text += "; how much their length changes the area was not measured"
+    else:
+        text += f"; by estimate their length changes the area by at most {100.0 * error:.2g} %"
     return [Row("parts of a step", "parts", numbers, sentence=text)]
 
 

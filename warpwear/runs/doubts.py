@@ -13,7 +13,7 @@ from warpwear.study.study import Study
 #: A coefficient of friction beyond this is a mistake, not a result.
 ABSURD_COEFFICIENT = 3.0
 #: A step on the half-space whose length changes the area by more, relatively, is told of.
-AREA_ERROR = 0.05
+AREA_ERROR = 0.1
 #: H/(E*·rms slope) above which load over hardness is low by more than some 5 %.
 ELASTIC = 0.2
 #: E* of two bodies of steel [MPa], of 210 GPa and Poisson's ratio 0.3, to judge by where it is not known.
@@ -73,9 +73,8 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
     if long:
         yield (
-            f"sliding.shift = {study.shift} cells is too long for {long} of the steps, "
-            f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
-            "needed."
+            f"The parts of {long} of the steps change the area by more than {100.0 * AREA_ERROR:g} % by "
+            f"estimate: a smaller grid.cell is needed, or stepping.area_error."
         )
     if doubt := doubt_of_directions(study, history):
         yield doubt

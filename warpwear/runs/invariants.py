@@ -28,6 +28,7 @@ ROUNDING = 1.0e-15
 ON_FILLED = 0.05
 #: Columns that may be no number: without a speed, before the shear strength is calibrated, between solves.
 OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "energy_gap_relative")) | {
+    "area_error",
     "displacement",
     "displacement_border",
     "energy_ratio",

@@ -94,6 +94,8 @@ class CycleJumps:
                 if self._number + 1 == len(self._legs):
                     return
                 self._number, self._cycle = self._number + 1, 0
+            # Both states are to divide steps alike: a change waits until the coarse one has followed.
+            self.model.divides = self._cycle == 0 or (self._step == 0 and self._left == 0)
             if self._step == 0:
                 self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
@@ -119,7 +121,7 @@ class CycleJumps:
     def count(self, row: Mapping[str, float]) -> None:
         """Count a step that was made."""
         self._step, self.contacts = self._step + 1, self.contacts + 1
-        self._means = _added(self._means, row)
+        self._means, self.model.divides = _added(self._means, row), self._cycle == 0
         if self._step == self._steps:
             self._jumped = self._jumped or self.stands_for > 1
             self._cycle, self._step = self._cycle + self.stands_for, 0
@@ -218,6 +220,7 @@ class CycleJumps:
         fine, worn, jump = state.save(self.model, whole=True), self._worn(), self._cycle - self._behind
         state.restore(self.model, self._coarse, json.loads(self._numbers))
         self._set_out(self._behind, jump)
+        self.model.measures = False
         means = dict.fromkeys(COMPARED, 0.0)
         try:
             for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
@@ -228,6 +231,7 @@ class CycleJumps:
             self._behind, self._age = self._cycle, self._age + 1
         except ConvergenceError:
             means = dict.fromkeys(COMPARED, math.inf)
+        self.model.measures = True
         state.restore(self.model, *fine)
         self._adapt(max(self._of_depth(), self._of_contact(means, jump)))
 

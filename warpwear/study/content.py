@@ -544,6 +544,8 @@ class Content(Section):
             film=pair.film,
             pieces=pair.pieces,
             static_area_every=self.output.static_area_every if elastic else 0,
+            lap_memory=1.0e6 * self.run.lap_memory,
+            area_error=self.stepping.area_error,
             fretting=self.fretting,
             profiles=pair.profiles,
             largest_shear=pair.largest_shear,

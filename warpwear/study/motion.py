@@ -350,6 +350,12 @@ class Stepping(Section):
         "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
         applies=SWEPT,
     )
+    area_error: Annotated[float, Number(Range(most=0.5))] = key(
+        0.025,
+        "swept, half-space: change of the area in contact that parts of a step of several cells may make, "
+        "which are as long as it allows",
+        applies=SWEPT + when("contact.law", "half-space"),
+    )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     def _check(self) -> None:

@@ -33,6 +33,7 @@ EXAMPLES = {
     "1/mm": "an inverse length such as '0.1 1/m'",
     "mm/N": "a compliance such as '0.05 um/N'",
     "N/mm": "an energy of an area such as '2 J/m^2'",
+    "MB": "a memory such as '256 MB'",
 }
 
 
@@ -55,6 +56,7 @@ FACTORS = {
     "deg": {"deg": 1.0},
     "mm^3/N/m": {"mm^3/N/m": 1.0},
     "N/mm": {"N/mm": 1.0, "J/m^2": 1.0e-3},
+    "MB": {"MB": 1.0, "GB": 1.0e3},
 }
 #: Most characters of a quantity: more are read as none.
 LONGEST_TEXT = 200

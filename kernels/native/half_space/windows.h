@@ -53,6 +53,38 @@ template <typename Transfer> WARPWEAR_FN void give_window(int slot, int slots, c
                 [](Stored& there, const Stored& here) { there = here; });
 }
 
+// The pressure of a place in the last lap, and as far ahead of that as it came since the lap before.
+template <typename Lap> WARPWEAR_FN void take_lap(int slot, int slots, const Lap& lap)
+{
+    const double ahead = lap.ahead.data[0], cap = lap.cap;
+    const Lanes zero = 0.0, most = cap;
+    for (int row = slot; row < lap.pressure.shape[0]; row += slots) {
+        const int there = lap.first.data[0] + row, offset = lap.first.data[1] * OF_VECTOR;
+        const Stored* const last = row_of(lap.laps, there) + offset;
+        const Stored* const before = row_of(lap.laps, there + lap.rows) + offset;
+        Stored* const here = row_of(lap.pressure, row);
+        for (int i = lane_of_slot(); i < lap.pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            const Lanes p = last[i], q = p + ahead * (p - before[i]);
+            here[i] = p > zero ? smaller_of(larger_of(q, zero), most) : zero;
+        }
+    }
+}
+
+// Keep the pressure of a place for the next lap, and that of the lap before.
+template <typename Lap> WARPWEAR_FN void keep_lap(int slot, int slots, const Lap& lap)
+{
+    for (int row = slot; row < lap.pressure.shape[0]; row += slots) {
+        const int there = lap.first.data[0] + row, offset = lap.first.data[1] * OF_VECTOR;
+        Stored* const last = row_of(lap.laps, there) + offset;
+        Stored* const before = row_of(lap.laps, there + lap.rows) + offset;
+        const Stored* const here = row_of(lap.pressure, row);
+        for (int i = lane_of_slot(); i < lap.pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            before[i] = last[i];
+            last[i] = here[i];
+        }
+    }
+}
+
 // Means of four cells, or of those that there are at the end of the grid; `ABSENT` where one of them is that.
 template <typename Transfer> WARPWEAR_FN void restrict_cells(int slot, int slots, const Transfer& transfer)
 {

@@ -133,6 +133,15 @@ class Search:
         self._program.run()
         if then is not None:
             then.run()
+        return self.read()
+
+    def bear(self, load: float) -> None:
+        """Tell the load of one group, Σ p [MPa], to programs that ask otherwise what is in its request."""
+        self._inputs.values[1][...] = load
+        self._inputs.send()
+
+    def read(self) -> int:
+        """Read what the last search left; return how it ended."""
         numbers, groups, proven = self._mirror.read()
         visited = 1 if len(groups) == 1 else int(self._operator.visited.numpy()[0])
         self.numbers, self.groups, self._proven = numbers[0], groups[:visited], proven[:visited]
@@ -144,6 +153,11 @@ class Search:
         return self._solve.fields.gradient
 
     @property
+    def arguments(self) -> Any:
+        """Return the search as kernels take it."""
+        return self._solve
+
+    @property
     def reached(self) -> dict[str, Field]:
         """Return the arrays with approach and certificate, by names of `half_space.passes.ContactReach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
@@ -153,8 +167,13 @@ class Search:
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
     def _make_program(self) -> Program:
-        """Write the program of a search, and of the certificate where its pressure is to have one."""
-        program, search, proof = Program(self._executor), self._solve, self._proof
+        program = Program(self._executor)
+        self.add_to(program)
+        return program
+
+    def add_to(self, program: Program) -> None:
+        """Add a search, and the certificate where its pressure is to have one."""
+        search, proof = self._solve, self._proof
         program.decide(decisions.begin, search)
         with program.loop(self._flag(Flag.SOLVING)):
             self._search(program)
@@ -163,7 +182,6 @@ class Search:
                 self._respond(program, "pressure", single=False)
                 proof.add_to(program, self._chunks)
                 program.decide(decisions.accept, search, proof.arguments)
-        return program
 
     def _search(self, program: Program) -> None:
         """Add the start of a search, and its iteration, which repeats until a decision ends it."""

@@ -111,6 +111,8 @@ class BoundedPressure:
         self._search: Search | None = None
         #: Gap, cap ratios, compliances of cells and groups that the search is for.
         self._searched: tuple[Any, ...] = ()
+        #: Of the next solves, see the class.
+        self.tolerance = tolerance
         #: Whether the next solve starts from what `pressure_field` holds; else from nothing.
         self.started = False
 
@@ -163,19 +165,12 @@ class BoundedPressure:
         certified = not self.started if certified is None else certified
         streaks = streak_compliance if isinstance(streak_compliance, wp.array) else None
         own = {"cap_ratio": cap_ratio, "yields": yields, "streak_yields": streaks}
-        search = self._search_for(gap, own, groups=isinstance(mean_pressure, np.ndarray))
+        search = self.search_for(gap, own, groups=isinstance(mean_pressure, np.ndarray))
         if streaks is not None:
             search.streak(streak_window or self._executor.grid.nx)
         along = 0.0 if isinstance(streak_compliance, wp.array) else streak_compliance
-        self._influence.set_compliance(compliance, along, streak_window)
-        request = {
-            Request.RESPONSE: self._influence.shortest_response + compliance,
-            Request.LONGER_RESPONSE: LONGER * self._influence.shortest_response + compliance,
-            Request.AT_LOAD: loads is not None,
-            Request.ANEW: not self.started,
-            Request.ROUGH: self._rules.tolerance >= LOOSE,
-            Request.CERTIFIED: certified,
-        }
+        request = self.request(compliance, along, streak_window, tolerance=self.tolerance)
+        request |= {Request.AT_LOAD: loads is not None, Request.CERTIFIED: certified}
         self.started = False
         values, follows = np.full(1, approach) if loads is None else loads, then and then(search)
         status = search.run(request, values, follows)
@@ -198,7 +193,21 @@ class BoundedPressure:
         """Return the displacement under the pressure that was certified last [mm]; lost in a solve."""
         return self._fields["response"]
 
-    def _search_for(self, gap: Field, own: Mapping[str, Field | None], *, groups: bool) -> Search:
+    def request(
+        self, own: float, streak: float, window: int | None, *, tolerance: float
+    ) -> dict[Request, float]:
+        """Set compliances, see `Influence.set_compliance`; return what a search under them is asked."""
+        self._influence.set_compliance(own, streak, window)
+        return {
+            Request.RESPONSE: self._influence.shortest_response + own,
+            Request.LONGER_RESPONSE: LONGER * self._influence.shortest_response + own,
+            Request.AT_LOAD: True,
+            Request.ANEW: not self.started,
+            Request.ROUGH: tolerance >= LOOSE,
+            Request.TOLERANCE: tolerance,
+        }
+
+    def search_for(self, gap: Field, own: Mapping[str, Field | None], *, groups: bool) -> Search:
         """Return the search for contacts with a gap, caps and compliances; it is made once for each."""
         asked = gap.ptr, *(None if field is None else field.ptr for field in own.values()), groups
         if self._search is None or asked != self._searched:
@@ -227,7 +236,7 @@ class BoundedPressure:
             raise ConvergenceError(
                 f"the half-space contact did not converge in {numbers['iteration']} iterations: "
                 f"complementarity is violated by {groups['violation'].max():.3g} mm, "
-                f"{violation:.3g} of the rms height (allowed {self._rules.tolerance:g})."
+                f"{violation:.3g} of the rms height (allowed {self.tolerance:g})."
             )
         return HalfSpaceContact(
             approaches=groups["level"].copy(),

@@ -19,13 +19,13 @@ import warp as wp
 from warpwear import lazy
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.half_space.search import Search
-from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact
+from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact, wide_cells_pay
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program, launch_once
 from warpwear.engine.state import InFrame
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.grid import Grid
+from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, PADDING, Cells
 from warpwear.kernels.half_space import passes
 
@@ -133,8 +133,8 @@ class OnWindow:
 
     def __init__(self, whole: Executor, grid: Grid, **law: Any) -> None:
         device, threads = str(whole.device), whole.threads
-        self._whole, self._part = whole, Executor(grid, device=device, threads=threads, fields_needed=0.0)
-        self.solver = HalfSpace(self._part, **law)
+        self._whole, self.executor = whole, Executor(grid, device=device, threads=threads, fields_needed=0.0)
+        self.solver = HalfSpace(self.executor, **law)
         #: Gap, cap ratios and compliances of cells there, as far as there are such.
         self.fields: dict[str, Field] = {}
         #: Row and vector of the whole grid where it begins.
@@ -144,7 +144,7 @@ class OnWindow:
     def take(self, pressure: Field, fields: Mapping[str, Field]) -> None:
         """Copy what fields of the whole grid hold there."""
         if self.fields.keys() != fields.keys():
-            self.fields = {name: self._part.zeros() for name in fields}
+            self.fields = {name: self.executor.zeros() for name in fields}
 
         def add(program: Program) -> None:
             self.add_copy(program, passes.take_window, pressure, self.solver.pressure_field)
@@ -153,11 +153,19 @@ class OnWindow:
 
         self.program(passes.take_window, add, pressure, *fields.values(), *self.fields.values()).run()
 
+    def add_search(self, program: Program, search: Search) -> None:
+        """Add to a program a search there."""
+        with program.on(self.executor):
+            search.add_to(program)
+
     def add_copy(self, program: Program, kernel: Any, field: Field, target: Field) -> None:
         """Add to a program: copy a field to one there, or the other way."""
-        transfer = arguments(passes.Transfer, field=field, target=target, first=self.first)
-        slots = self._part.slots_of(self._part.grid.nx)
-        program.launch(kernel, transfer, slots=slots, chunks=self._part.equal_chunks(slots))
+        self.add(program, kernel, arguments(passes.Transfer, field=field, target=target, first=self.first))
+
+    def add(self, program: Program, kernel: Any, about: Any) -> None:
+        """Add to a program a pass over rows there."""
+        slots = self.executor.slots_of(self.executor.grid.nx)
+        program.launch(kernel, about, slots=slots, chunks=self.executor.equal_chunks(slots))
 
     def program(self, name: Any, add: Callable[[Program], None], *about: Any) -> Program:
         """Return a program of the whole grid's executor, which is said once about one thing."""
@@ -166,6 +174,27 @@ class OnWindow:
             last = self._programs[name] = about, Program(self._whole)
             add(last[1])
         return last[1]
+
+
+@dataclass(frozen=True)
+class Stay:
+    """Holds what solves contacts in one window, for programs. fields: of the whole grid, which go there."""
+
+    here: OnWindow
+    search: Search
+    fields: dict[str, Field]
+    box: tuple[int, int, int, int]
+    extents: Field
+    add_after: Callable[[Program], None]
+
+    def add_to(self, program: Program, lap: Any, from_lap: Field) -> None:
+        """Add a contact: from a pressure of a `passes.Lap` where a flag says so, else from the last one."""
+        for name, field in self.fields.items():
+            self.here.add_copy(program, passes.take_window, field, self.here.fields[name])
+        with program.branch(from_lap):
+            self.here.add(program, passes.take_lap, lap)
+        self.here.add_search(program, self.search)
+        self.add_after(program)
 
 
 class WindowedHalfSpace:
@@ -189,7 +218,12 @@ class WindowedHalfSpace:
     ) -> None:
         self._executor, self._boundary, self._hardness = executor, boundary, hardness
         grid = executor.grid
-        self._law = {"modulus": modulus, "boundary": boundary, "hardness": hardness, "tolerance": tolerance}
+        self._law: dict[str, Any] = {
+            "modulus": modulus,
+            "boundary": boundary,
+            "hardness": hardness,
+            "tolerance": tolerance,
+        }
         self._law["datum"] = grid.nx * grid.cell
         is_long = grid.nx >= LEAST_LONG * grid.ny
         self._has_windows = boundary == "free" or (boundary == "line" and is_long)
@@ -207,11 +241,28 @@ class WindowedHalfSpace:
         self._stored: dict[Grid, OnWindow] = {}
         #: Whether there is a body in a cell, the same in every solve; None before, and without a hardness.
         self._bodies: npt.NDArray[np.bool_] | None = None
+        #: Cells with a body, of the window that was looked at last.
+        self._bearing: dict[Window, int] = {}
 
     @property
     def start(self) -> Field | None:
         """Return the pressures that the next solve starts from; None where that is nothing."""
         return self._pressure if self._started else None
+
+    @property
+    def tolerance(self) -> float:
+        """Return the tolerance of contacts that are asked for no other."""
+        return float(self._law["tolerance"])
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Return a copy of the last pressure [MPa]."""
+        return self._executor.to_numpy(self._pressure).copy()
+
+    @property
+    def fields(self) -> tuple[Field, Field]:
+        """Return where pressure and gradient lie."""
+        return self._pressure, self._gradient
 
     @property
     def columns(self) -> tuple[int, int]:
@@ -248,6 +299,7 @@ class WindowedHalfSpace:
         yields: Field | None = None,
         least_cap_ratio: float = 1.0,
         certified: bool | None = True,
+        tolerance: float | None = None,
         compliance: float = 0.0,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
@@ -264,13 +316,7 @@ class WindowedHalfSpace:
             options["streak_compliance"] = streak_compliance
         options["certified"] = not self._started if certified is None else certified
 
-        if self._bodies is None and math.isfinite(least):
-            self._bodies = self._executor.to_numpy(gap) < PADDING
-
-        def carries(window: Window) -> bool:
-            """Tell whether cells at the least of their caps carry the load: none falls below it later."""
-            return self._most(window, least) * (1.0 + LOAD_TOLERANCE) >= load
-
+        self._see_bodies(gap, least)
         # No more of a mean along x may reach beyond the window than it holds.
         rows = 2 * (streak_window or (whole.nx if streaks is not None or streak_compliance else 1))
         has_windows = self._has_windows and streaks is None  # which reach beyond them
@@ -283,13 +329,14 @@ class WindowedHalfSpace:
         transforms = iterations = 0
         while True:
             assert self._window is not None
-            if not carries(self._window):
+            if not self._carries(self._window, load, least):
                 self._look_at(self._that_carries(self._window.box, load, rows, least))
             window, here = self._window, self._here
             assert here is not None
             here.take(self._pressure, fields)
             self._clear_beside(window)
             here.solver.started = self._started
+            here.solver.tolerance = self.tolerance if tolerance is None else tolerance
             mean = load / window.grid(whole).area
             contact, reached = None, window.box
             try:
@@ -303,17 +350,15 @@ class WindowedHalfSpace:
             self._started = contact is not None
             if contact is not None:
                 transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
-                first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
-                reached = round(-first_row), round(last_row), round(-first), round(last)
+                reached = self._reached()
                 if not has_windows or window.holds(reached):
                     break
             # Too few cells give too large an approach: what lies below it holds the contact of them all. They
             # may give no contact either, where more do.
             del here, contact  # and their memory, before others take theirs
             self._look_at(self._around(reached, rows=rows))
-        fitting = self._around(reached, rows=rows)
-        if has_windows and fitting.area <= SMALLER * window.area and carries(fitting):
-            self._look_at(fitting)
+        if has_windows:
+            self._shrink(reached, load, rows, least)
         return replace(
             contact,
             mean_pressure=contact.mean_pressure * window.grid(whole).area / whole.area,
@@ -325,19 +370,77 @@ class WindowedHalfSpace:
         )
 
     def _after(self, here: OnWindow, gap: Field, search: Search) -> Program:
-        """Return what follows a search: its fields on the whole grid, and the extents of the cells reached.
+        """Return what follows a search."""
+        return here.program(passes.extents, partial(self._add_after, here, gap, search), gap, search)
+
+    def _add_after(self, here: OnWindow, gap: Field, search: Search, program: Program) -> None:
+        """Add what follows a search: its fields on the whole grid, and the extents of the cells reached.
 
         Beyond the window no cell may count in the certificate either.
         """
-        executor = self._executor
-        fields = {"gap": gap, "columns": executor.grid.ny, "extents": self._extents}
+        fields = {"gap": gap, "columns": self._executor.grid.ny, "extents": self._extents}
+        here.add_copy(program, passes.give_window, here.solver.pressure_field, self._pressure)
+        here.add_copy(program, passes.give_window, search.gradient, self._gradient)
+        program.launch(passes.extents, arguments(passes.ContactReach, **fields, **search.reached))
 
-        def add(program: Program) -> None:
-            here.add_copy(program, passes.give_window, here.solver.pressure_field, self._pressure)
-            here.add_copy(program, passes.give_window, search.gradient, self._gradient)
-            program.launch(passes.extents, arguments(passes.ContactReach, **fields, **search.reached))
+    def stay(
+        self, gap: Field, heights: Field, *, load: float, rows: int, least: float, anew: bool, **own: Any
+    ) -> "Stay | None":
+        """Make ready for contacts in the present window that a program solves, one after another.
 
-        return here.program(passes.extents, add, gap, search)
+        heights: of a body. rows: of a mean along x. least: as least_cap_ratio of `solve`. anew: whether one
+        starts from nothing. own: cap_ratio and yields. None where such contacts must be solved by `solve`.
+        """
+        least *= self._hardness
+        self._see_bodies(heights, least)
+        window, here = self._window, self._here
+        if window is None or here is None or not self._carries(window, load, least):
+            return None
+        if window.end_row - window.first_row < min(2 * rows, self._executor.grid.nx):
+            return None
+        if (anew or not self._started) and wide_cells_pay(here.executor):
+            return None
+        fields = {"gap": gap} | {name: field for name, field in own.items() if field is not None}
+        here.take(self._pressure, fields)
+        self._clear_beside(window)
+        here.solver.started = self._started
+        there = {name: here.fields.get(name) for name in ("cap_ratio", "yields", "streak_yields")}
+        search = here.solver.search_for(here.fields["gap"], there, groups=False)
+        area = self._executor.grid.cell_area
+        search.bear(min(load / area, self._hardness * here.executor.grid.cells))
+        return Stay(
+            here, search, fields, window.box, self._extents, partial(self._add_after, here, gap, search)
+        )
+
+    def end_stay(self, *, load: float, rows: int, least: float, whole: bool) -> None:
+        """Take note that a program has solved contacts here. whole: whether it has made all."""
+        self._started = True
+        if whole and self._has_windows:
+            self._shrink(self._reached(), load, 2 * rows, least * self._hardness)
+
+    def _reached(self) -> tuple[int, int, int, int]:
+        """Return the extents of the cells that the last contact reaches."""
+        first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
+        return round(-first_row), round(last_row), round(-first), round(last)
+
+    def _shrink(self, reached: Sequence[int], load: float, rows: int, hardness: float) -> None:
+        """Look at a smaller window where it holds what was reached, and carries the load."""
+        assert self._window is not None
+        length, width = reached[1] + 1 - reached[0], reached[3] + 1 - reached[2]
+        if max(length, rows) * width * (1.0 + 2.0 * ROOM) ** 2 > SMALLER * LANES * self._window.area:
+            return  # nor is a window around it smaller
+        fitting = self._around(reached, rows=rows)
+        if fitting.area <= SMALLER * self._window.area and self._carries(fitting, load, hardness):
+            self._look_at(fitting)
+
+    def _see_bodies(self, field: Field, hardness: float) -> None:
+        """See once in which cells a gap, or a body, has a surface."""
+        if self._bodies is None and math.isfinite(hardness):
+            self._bodies = self._executor.to_numpy(field) < PADDING
+
+    def _carries(self, window: Window, load: float, hardness: float) -> bool:
+        """Tell whether cells at the least of their caps carry the load: none falls below it later."""
+        return self._most(window, hardness) * (1.0 + LOAD_TOLERANCE) >= load
 
     def _clear_beside(self, window: Window) -> None:
         """Leave no pressure, and no gradient, of the last window where that was another."""
@@ -399,4 +502,6 @@ class WindowedHalfSpace:
         """Return the load [N] that the cells with a body in a window carry at a hardness [MPa]."""
         if self._bodies is None:
             return math.inf
-        return hardness * int(np.count_nonzero(self._bodies[window.cells])) * self._executor.grid.cell_area
+        if window not in self._bearing:
+            self._bearing = {window: int(np.count_nonzero(self._bodies[window.cells]))}
+        return hardness * self._bearing[window] * self._executor.grid.cell_area

@@ -1,8 +1,9 @@
 """One grid on the elastic–plastic half-space: a ball, and a disc that moves or lies still under it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import takewhile
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,24 +20,24 @@ from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import fourier, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, OF_FEATURES, PressureSum, names_of
+from warpwear.kernels.cells import LANES, MAXIMA, OF_FEATURES, PressureSum
 from warpwear.kernels.half_space import passes
+from warpwear.kernels.half_space.solve import Request
 from warpwear.kernels.sliding import Bodies, RowSums, Slide
 from warpwear.kernels.sliding_steps import SlidingSteps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Place
-from warpwear.models.features.features import Features
+from warpwear.models.features.features import Features, asks
 from warpwear.models.features.materials import steps_above
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.part_length import PartLength
-from warpwear.models.track.step_means import StepMeans, Substep
+from warpwear.models.track.starts import NEIGHBOUR, NO_LAP, NOTHING, WAY, Starts, Way
+from warpwear.models.track.step_means import Made, StepMeans, Substep
+from warpwear.models.track.step_program import MOST, SUMS, StepProgram
 from warpwear.models.unworn import layout_of
 from warpwear.models.wear_lines import WearLines
-
-#: Real over nominal area from which the last pressure, where it is, is a better start than none.
-KEEPS_PRESSURE = 0.7
 
 
 class SlidingHalfSpace:
@@ -56,7 +57,8 @@ class SlidingHalfSpace:
     wider. So a step is solved in parts, so short that the error of both together is estimated at 2 % of the
     area at most, see `part_length`; over one cell S changes nothing.
 
-    disc, periodic, track_fraction, moves: as for `local.SlidingContact`. Raises ValueError for the same
+    disc, periodic, track_fraction, moves: as for `local.SlidingContact`. places: of the contacts of a cycle,
+    at most. Raises ValueError for the same
     discs.
     """
 
@@ -67,16 +69,21 @@ class SlidingHalfSpace:
         "features": Features,
         "ledger": Ledger,
         "_steps_done": int,
-        "_length": PartLength,
+        "length": PartLength,
+        "_starts": Starts,
     }
     SCRATCH: ClassVar = (
         *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_sheared", "_sheared_means", "_row"),
-        *("_place", "_programs", "_static", "_asked", "_unreached"),
+        *("_place", "_programs", "_static", "_asked", "_unreached", "_step_program", "_requested"),
     )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
     #: Whether to certify the pressure with which the next step ends.
     certified = False
+    #: Whether later steps may start from the pressures of the next.
+    learns = True
+    #: Tolerance of contacts over a disc that moves, unless they are certified; None: the solver's.
+    on_the_way: float | None = 1.0e-4
     #: Cycles that the next step stands for: its increment is as many times as long as its way over the disc.
     stands_for = 1
 
@@ -89,6 +96,7 @@ class SlidingHalfSpace:
         periodic: bool = False,
         track_fraction: float = 1.0,
         moves: bool = True,
+        places: int = 0,
     ) -> None:
         kernels = [passes.advance, wear_from_pressure.gaps, fourier.forward[np.float64]]
         executor.foresee(kernels)  # what takes longest first
@@ -127,7 +135,7 @@ class SlidingHalfSpace:
         self._place = Place(self.slides.array, steps, bodies=self._bodies)
         edge = max((one.edge for one in self.features), default=1)
         self.ledger = Ledger(task, executor.grid, margin=edge, track_fraction=track_fraction)
-        self._length = PartLength(task, moves=moves, shortens=self.features.window is None)
+        self.length = PartLength(task, is_free=moves and not task.form.is_flat)
         #: Finds what wears cells whose K goes with their pressure; None where none does.
         self._lines = WearLines(task.knots, executor, moves=moves) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
@@ -135,6 +143,17 @@ class SlidingHalfSpace:
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
+        #: What the last program was made for, and what it asked of its searches.
+        self._requested: tuple[Any, FloatArray] = (), np.zeros(0)
+        self._starts = Starts(executor, memory=task.lap_memory, places=places if moves else 0)
+        tables = self._sums, self._maxima
+        adds: dict[str, Any] = {
+            "cap": min(task.hardness, NO_CAP),
+            "add_gaps": self._add_gaps,
+            "add_wear": self._add_wear,
+            "add_after": self._add_after,
+        }
+        self._step_program = StepProgram(executor, self.slides, self._starts.laps, tables, **adds)
 
     def _tables(self, disc_rows: int) -> None:
         """Make the tables in which the pass that wears leaves its sums."""
@@ -156,7 +175,16 @@ class SlidingHalfSpace:
     def forget(self) -> None:
         """Let the next contact begin as the first one does: the disc is another."""
         self._half_space.forget()
-        self._length.forget()
+        self.forget_way()
+
+    def forget_way(self) -> None:
+        """Learn anew how to start contacts, and how to divide steps: the track is another."""
+        self.length.forget()
+        self._starts.forget()
+
+    def forget_laps(self) -> None:
+        """Leave the pressures of laps: parts are of another length."""
+        self._starts.forget()
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -166,7 +194,13 @@ class SlidingHalfSpace:
         return self.slide(lambda done, cells: shift, 1, increment, with_pressure=with_pressure)
 
     def slide(
-        self, row: Callable[[int, int], int], cells: int, increment: float, *, with_pressure: bool = False
+        self,
+        row: Callable[[int, int], int],
+        cells: int,
+        increment: float,
+        *,
+        way: Way = WAY,
+        with_pressure: bool = False,
     ) -> Step:
         """Slide over cells of the disc by an increment [mm] as `step` does, in as many parts as it takes.
 
@@ -175,41 +209,106 @@ class SlidingHalfSpace:
         lengths, of approach, areas, cells and squares of pressures, and the largest pressure; the pressure
         field, if asked for, is that of the last part.
         """
-        before, done, static = self.ledger.row, 0, math.nan
-        means = StepMeans(self.task, self._track_fraction, before["distance"], increment)
+        before, static = self.ledger.row, math.nan
+        by_pressure = self._lines is not None
+        about = self.task, self._track_fraction, before["distance"], increment
+        means = StepMeans(*about, by_pressure=by_pressure)
         self._begin_materials(means.part(0.0, 1.0))
-        while done < cells:
-            count = self._length.cells(cells - done)
-            shift = self.state.row_of(row(done, count), periodic=self.periodic)
-            part, begins = means.part(done / cells, count / cells), done == 0
-            self._begin_part(part, shift)
-            done += count
-            contact = self._solve(part, certified=True if self.certified and done == cells else None)
-            if begins and self._static and self._steps_done % self.task.static_area_every == 0:
+        parts = self._divide(means, row, cells)
+        due = self._static is not None and self._steps_done % self.task.static_area_every == 0
+        start, learns = NEIGHBOUR, self.learns and self.length.trial is None
+        if self._moves and self.length.trial is None:
+            start = self._starts.choose(f"{parts[0].shift} {way.lane}", tries=learns)
+        done, area, made = 0, self._executor.grid.cell_area, None
+        while done < len(parts):
+            left = parts[done : 1 if due and not done else None]
+            count, made = self._in_one_go(left, start, way)
+            if made is None:
+                count, made = 1, self._alone(left[0], start)
+            if due and self._static and not done:
                 static = self._static_area(self._static)
-            pressure = contact.pressure.copy() if with_pressure and done == cells else None
-            sums, most = self._wear(contact, part)
-            self._learn(sums, most)
-            row_of_part = self._asked.row(part.increment, sums)
-            means.add(
-                part,
-                contact,
-                sums["pressure"] * self._executor.grid.cell_area,
-                sums,
-                highest=most["pressure"],
-                error=self._length.error(count),
-                worn=self._asked.worn(part.removals, row_of_part),
-                row=row_of_part,
-            )
+            done, last = done + count, left[count - 1]
+            row_of_part = self._asked.row(last.increment, {name: v[-1] for name, v in made.sums.items()})
+            worn = self._asked.worn(last.removals, row_of_part)
+            means.add(left[:count], made, cell_area=area, worn=worn, row=row_of_part)
+        assert made is not None  # a step has a part
+        sums, most = self._total(made)
+        if learns and self._moves and not self.certified:
+            self._starts.learn(start, means.transforms / len(parts))
         total, most = self._end_step(sums | means.total, most | {"pressure": means.highest})
         cap = min(self.task.hardness, NO_CAP)
         balance = Balance(means.approach, 0.0, cap, means.residual, evaluations=means.transforms)
         entry = balance, increment, means.removals, before["pressure_mean"], total, most
-        step = self.ledger.enter(*entry, pressure=pressure)
-        step.row.update(means.row, **({"area_static": static} if self._static else {}))
+        step = self.ledger.enter(*entry, pressure=self._half_space.pressure if with_pressure else None)
+        step.row.update(
+            means.row | {"area_error": self.length.error}, **({"area_static": static} if self._static else {})
+        )
         self._steps_done += 1
         self.state.columns = self._asked.beside(self.ledger.columns)
         return step
+
+    def _divide(self, means: StepMeans, row: Callable[[int, int], int], cells: int) -> list[Substep]:
+        """Divide a step over cells into parts."""
+        parts, done = list[Substep](), 0
+        # At rest a contact that is found from nothing is certified.
+        on_the_way = (self.on_the_way, False) if self._moves else (None, None)
+        while done < cells:
+            count = self.length.cells(cells - done)
+            shift = self.state.row_of(row(done, count), periodic=self.periodic)
+            parts.append(means.part(done / cells, count / cells, shift, count, *on_the_way))
+            done += count
+        if self.certified or (self._moves and not self._steps_done):
+            parts[-1] = parts[-1]._replace(tolerance=None, certified=True)
+        return parts
+
+    def _alone(self, part: Substep, start: str) -> Made:
+        """Make a part of a step by itself."""
+        if start == NOTHING:
+            self._half_space.forget()
+        self._begin_part(part)
+        contact = self._solve(part)
+        sums, most = self._wear(contact, part)
+        tables = ({name: np.array([v]) for name, v in table.items()} for table in (sums, most))
+        return Made(np.array([contact.approach]), contact.transforms, contact.certificate, *tables)
+
+    def _in_one_go(self, parts: Sequence[Substep], start: str, way: Way) -> tuple[int, Made | None]:
+        """Make the first of some parts of a step in one program; none where they must be made by themselves.
+
+        They have one compliance, and their contacts stay in one window. Return how many were made.
+        """
+        alone = any(asks(one, hook) for one in self._asked for hook in ("prepare", "note", "row"))
+        if not self._moves or self._lines is not None or alone:
+            return 0, None
+        first, caps, anew = parts[0], self._caps, start == NOTHING
+        rows = self.cells_passing(first.increment)
+        about = {"load": self.task.load, "rows": rows, "least": caps["least_cap_ratio"]}
+        own = {"cap_ratio": caps["cap_ratio"], "yields": self._asked.yields}
+        stay = self._half_space.stay(self.gap, self.state.counter, anew=anew, **about, **own)
+        if stay is None:
+            return 0, None
+        group = list(takewhile(first.is_like, parts[:MOST]))
+        asked = stay.search, self._asked, rows, first.increment, first.removals, first.shears
+        if asked != self._requested[0]:  # mostly steps are alike
+            self._set_part(first)
+            compliances, tolerance = self._compliances(first), self._half_space.tolerance
+            request = stay.here.solver.request(*compliances, rows, tolerance=tolerance)
+            self._requested = asked, np.array([request.get(name, 0.0) for name in Request])
+        self.slides.set(reference=self.ledger.row["pressure_mean"])
+        starts, ahead = [], []
+        for part in group:
+            lap = NO_LAP
+            if self.length.trial is None:
+                lap = self._starts.lap_of(f"{part.shift} {way.lane}", way.end, start, keeps=self.learns)
+            starts.append((lap.row + stay.box[0], stay.box[2] // LANES, lap.ahead is not None, lap.keeps))
+            ahead.append(lap.ahead or 0.0)
+        from_nothing = anew or not stay.here.solver.started, anew
+        self._step_program.set(group, self._requested[1], starts, ahead, anew=from_nothing)
+        count, made = self._step_program.run(len(group), stay, self._asked is self.features)
+        if made is not None:
+            self._half_space.end_stay(whole=count == len(group), **about)
+            if self._asked:
+                self._show_touched({name: values[-1] for name, values in made.most.items()})
+        return count, made
 
     def _begin_materials(self, whole: Substep) -> None:
         """Choose what a step asks, by all of it."""
@@ -218,29 +317,20 @@ class SlidingHalfSpace:
         above = steps_above(self.task, self._executor.grid.cell_area, self.ledger.most, removals)
         self._asked = self._unreached if above else self.features
 
-    def _begin_part(self, part: Substep, shift: int) -> None:
+    def _begin_part(self, part: Substep) -> None:
         """Make the gap that the disc's cells meet in a part of a step."""
+        self._set_part(part)
+        self.make_gap()
+
+    def _set_part(self, part: Substep) -> None:
+        """Say in `slides` what a part of a step is."""
+        self._requested = (), self._requested[1]
         shears = dict(zip(("shear_counter", "shear_disc"), part.shears, strict=True))
-        self.slides.set(shift=shift, start=part.start, end=part.start + part.increment, **shears)
+        self.slides.set(shift=part.shift, start=part.start, end=part.start + part.increment, **shears)
         for one in self._asked:
             one.prepare(self, part.increment, part.removals)
         self.slides.set(window=self.cells_passing(part.increment), **self._wears(part))
         self.slides.set(compliance=self._compliances(part)[0])
-        self.make_gap()
-
-    def _learn(self, total: Mapping[str, float], most: Mapping[str, float]) -> None:
-        """Learn from sums and maxima of the last contact how to start the next, and how to divide steps."""
-        if not self._moves:
-            return
-        # Extents in cells of all that was ever touched; first rows and columns come with a minus.
-        along = most["last_row"] + most["first_row"] + 1.0
-        across = most["last_column"] + most["first_column"] + 1.0
-        bearing = total["contact"] / (0.25 * math.pi * along * across)
-        if bearing < KEEPS_PRESSURE:
-            # The last pressure is then no better a start than none, neither in place nor moved with the disc.
-            self._half_space.forget()
-        elastic = 1.0 - total["capped"] / total["contact"]
-        self._length.learn(along=along, bearing=bearing, elastic=elastic)
 
     def make_gap(self) -> None:
         """Make the gap that the disc's cells meet on their way, and what they have of their own."""
@@ -250,11 +340,11 @@ class SlidingHalfSpace:
         """Solve the contact on the gap as it lies, without the wear of a step."""
         return self._half_space.solve(self.gap, load=self.task.load)
 
-    def _solve(self, part: Substep, *, certified: bool | None) -> HalfSpaceContact:
+    def _solve(self, part: Substep) -> HalfSpaceContact:
         """Solve the contact at the end of a part of a step, and let features take note of it."""
-        own, along = self._compliances(part)
+        (own, along), certified = self._compliances(part), part.certified
         solve: Callable[..., HalfSpaceContact] = partial(
-            self._half_space.solve, load=self.task.load, **self._caps
+            self._half_space.solve, load=self.task.load, tolerance=part.tolerance, **self._caps
         )
         if self._lines is None:
             contact = solve(
@@ -307,14 +397,14 @@ class SlidingHalfSpace:
         cells = features.sources, features.cells
         program.launch(wear_from_pressure.gaps, slides, self._bodies, *cells, self._means, self.gap)
 
-    def _add_wear(self, program: Program, contact: HalfSpaceContact) -> None:
+    def _add_wear(self, program: Program) -> None:
         """Add the wear of both bodies by the pressure of a contact."""
-        slides, pressure = self.slides.array, contact.pressure_field
+        slides, (pressure, gradient) = self.slides.array, self._half_space.fields
         pressed = arguments(
             Pressed,
             pressure=pressure,
             means=self._means,
-            gradient=contact.gradient_field,
+            gradient=gradient,
             sheared=self._sheared,
             sheared_means=self._sheared_means,
             cells=self._asked.cells,
@@ -359,16 +449,30 @@ class SlidingHalfSpace:
             **self._wears(part),
         )
         wearing = self._lines.press(contact.pressure_field) if self._lines else {}
-        self._run("wear", lambda program: self._add_wear(program, contact))
-        sums, maxima, *of_rows = self._mirror.read()
+        self._run("wear", self._add_wear)
+        sums, maxima, *_ = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
-        total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True)) | wearing
-        for name, rows in zip(("wear_disc", "plastic_volume_disc"), of_rows, strict=True):
-            total[name] = float(rows.sum())
-        if self._asked:  # of all touched so far
-            self.slides.set(first_column=-most["first_column"], end_column=most["last_column"] + 1.0)
-            self._run("after", lambda program: self._asked.ask("after_part", program, self._place))
+        total = dict(zip(SUMS, sums.sum(axis=1).tolist(), strict=True)) | wearing
+        if self._asked:
+            self._show_touched(most)
+            self._run("after", self._add_after)
         return total, most
+
+    def _show_touched(self, most: Mapping[str, float]) -> None:
+        """Say in `slides` which columns were touched so far."""
+        self.slides.set(first_column=-most["first_column"], end_column=most["last_column"] + 1.0)
+
+    def _add_after(self, program: Program) -> None:
+        """Add what follows a part of a step."""
+        self._asked.ask("after_part", program, self._place)
+
+    def _total(self, last: Made) -> tuple[dict[str, float], dict[str, float]]:
+        """Return sums and maxima of the last part, with those of the disc."""
+        _, _, *of_rows = self._mirror.read()
+        names = "wear_disc", "plastic_volume_disc"
+        total = {name: float(rows.sum()) for name, rows in zip(names, of_rows, strict=True)}
+        sums, most = ({name: float(v[-1]) for name, v in table.items()} for table in (last.sums, last.most))
+        return sums | total, most
 
     def _end_step(
         self, sums: Mapping[str, float], most: dict[str, float]
@@ -381,7 +485,8 @@ class SlidingHalfSpace:
         if self._asked:
             self._run("end", lambda program: self._asked.ask("end_step", program, self._place))
         self._asked.end_steps(1)
-        own = zip(self.features.columns, self._row.numpy()[0].tolist(), strict=True)
+        columns = self.features.columns
+        own = zip(columns, self._row.numpy()[0].tolist() if columns else (), strict=True)
         total = {name: value for name, value in sums.items() if name not in OF_FEATURES}
         self._asked.enter({**sums, **dict(own)}, total, most)
         return total, most

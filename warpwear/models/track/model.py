@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
@@ -16,6 +17,7 @@ from warpwear.laws.track import Track
 from warpwear.models.model import Model
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import LONGEST, SlidingContact
+from warpwear.models.track.starts import Way
 
 #: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
 DISC_FIELDS = 4.0
@@ -48,6 +50,7 @@ class SweptModel(Model):
         options["track_fraction"] = track.track_fraction
         self.contact: SlidingHalfSpace | SlidingContact
         if task.half_space:
+            options["places"] = track.passes_of_cycle * track.cells
             self.contact = SlidingHalfSpace(task, heights, executor, **options)
         else:
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
@@ -68,6 +71,8 @@ class SweptModel(Model):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.contact.ledger.switch_stroke(before.track_fraction)
         self._done = 0
+        if isinstance(self.contact, SlidingHalfSpace):
+            self.contact.forget_way()
 
     def switch_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
         """Begin with the first step on another circle of the disc, see `Circles` of `runs/loop.py`."""
@@ -77,14 +82,60 @@ class SweptModel(Model):
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
-        if isinstance(self.contact, SlidingHalfSpace):
-            self.contact.certified, self.contact.stands_for = self.certified, self.stands_for
-        if isinstance(self.contact, SlidingHalfSpace) and self._track.moves:
-            cells = self._track.cells_of(self._done)
-            return self._placed(
-                self.contact.slide(self._go_to, cells, increment, with_pressure=with_pressure)
-            )
-        return self._placed(self.contact.step(self._go_to(), increment, with_pressure=with_pressure))
+        contact = self.contact
+        if not isinstance(contact, SlidingHalfSpace) or not self._track.moves:
+            if isinstance(contact, SlidingHalfSpace):
+                contact.certified = self.certified
+            return self._placed(contact.step(self._go_to(), increment, with_pressure=with_pressure))
+        length = contact.length
+        if self.measures:
+            if length.is_due and self.divides:
+                self._measure(contact)
+            if length.begins:
+                length.keep(*state.save(self, whole=True))
+        contact.certified, contact.stands_for = self.certified, self.stands_for
+        contact.learns = self.measures
+        cells, track = self._track.cells_of(self._done), self._track
+        steps = track.passes_of_cycle * track.steps_of_pass
+        left = (steps - self._done % steps) / steps * self.stands_for * track.cycle
+        way = Way(self._done % steps // track.steps_of_pass, contact.ledger.row["distance"] + left)
+        step = contact.slide(self._go_to, cells, increment, way=way, with_pressure=with_pressure)
+        if self.measures:
+            length.note(increment / self.stands_for, self.turned, step.row["area_contact"])
+        return self._placed(step)
+
+    def _measure(self, contact: SlidingHalfSpace) -> None:
+        """Make steps again, from the state that was kept before them, in parts as long and twice as long.
+
+        Each stands for itself: what their length does shows less in wear of many cycles at once.
+        """
+        length, now, contact.certified = contact.length, state.save(self, whole=True), False
+        before, areas = (self.stands_for, self.turned, self._row), []
+        arrays, numbers, slid = length.kept
+        for cells in (length.of_part, 2 * length.of_part):
+            length.trial = cells
+            state.restore(self, arrays, numbers)
+            areas.append(self._replay(contact, slid, cells))
+        length.trial = None
+        self.stands_for, self.turned, self._row = before
+        state.restore(self, *now)
+        if length.judge(*areas, shift=self._track.shift):
+            contact.forget_laps()
+
+    def _replay(self, contact: SlidingHalfSpace, slid: list[tuple[float, int]], longest: int) -> float:
+        """Make steps again: increments of a cycle alone [mm], rows turned by. Return areas × cells [mm²]."""
+        total, contact.stands_for = 0.0, 1
+        while slid:
+            (increment, self.turned), *slid = slid
+            first, cells = self._done, self._track.cells_of(self._done)
+            ends = (first + 1) % self._track.steps_of_pass == 0
+            if cells < longest and not ends and slid and slid[0][1] == self.turned:
+                # a part goes over two steps
+                increment += slid.pop(0)[0]
+                cells += self._track.cells_of(first + 1)
+            total += cells * contact.slide(self._go_to, cells, increment).row["area_contact"]
+            self._done += 1 + (cells > self._track.cells_of(first))
+        return total
 
     def _go_to(self, done: int = 0, cells: int | None = None) -> int:
         """Return the disc's row under the first of the counter-body, in the next step or in a part of it."""
@@ -98,8 +149,8 @@ class SweptModel(Model):
 
     def worn_depths(self) -> tuple[FloatArray, FloatArray]:
         """Return the depths worn off counter-body and disc [mm], the disc's of the whole track."""
-        state, to_numpy = self.contact.state, self._executor.to_numpy
-        return to_numpy(state.wear_counter), to_numpy(state.wear_disc)
+        bodies, to_numpy = self.contact.state, self._executor.to_numpy
+        return to_numpy(bodies.wear_counter), to_numpy(bodies.wear_disc)
 
     def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
         """Make steps on the device, before the first of them is seen."""
@@ -133,12 +184,12 @@ class SweptModel(Model):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
-        state, to_numpy = self.contact.state, self._executor.to_numpy
+        bodies, to_numpy = self.contact.state, self._executor.to_numpy
         row = self._row
-        disc = to_numpy(state.disc)
+        disc = to_numpy(bodies.disc)
         names = "wear_counter", "wear_disc", *(["plastic_disc"] if self.contact.task.keeps_dents else [])
-        fields = {name: to_numpy(getattr(state, name)) for name in names}
-        fields["gap"] = to_numpy(state.counter) - self._track.beneath(disc, row)
+        fields = {name: to_numpy(getattr(bodies, name)) for name in names}
+        fields["gap"] = to_numpy(bodies.counter) - self._track.beneath(disc, row)
         fields |= {"pressure": step.pressure} | self.contact.features.fields(step.pressure)
         return Snapshot.of(distance, fields, row=row if self._track.moves else None)
 

@@ -1,56 +1,135 @@
-"""How many cells of the disc a part of a step may go over, by an estimate of the error that it makes."""
+"""How many cells of the disc a part of a step may go over, by what doubling it changes.
 
+Some steps in a row are made again from the state before the first of them, in parts as long and twice as
+long. The change of their mean area tells what the length of parts does, see docs/theory/limits.md. What wore
+both bodies in parts of n cells loses area by parts of any other length, so that longer ones err to the safe
+side, and shorter ones do not.
+"""
+
+import json
 import math
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
+from warpwear.engine.state import Aside
 from warpwear.laws.task import ContactTask
 
-#: What a part of a step takes off the area of a contact, relative, over its length in contact lengths and the
-#: real over the nominal area: of a smooth one 1.2 in a first pass, 2.6 after twenty, as losses add up.
-OF_OUTLINE = 2.4
-#: What each cell beyond the first of a part changes of the area of asperities below the hardness.
-OF_ELASTIC_CELL = 0.025
-#: Error of the area that the length of a part may make, relative.
-LARGEST_ERROR = 0.02
+#: Steps in a row that are made again: a part of those so far, at least and at most.
+OF_STEPS, LEAST_STEPS, MOST_STEPS = 0.25, 8, 24
+#: Steps so far over those at the last change, from which parts may be longer again.
+GROWTH = 2.0
+#: Change of the area from which parts are measured anew, and steps over which its mean goes.
+OF_AREA, RECENT = 0.05, 24
+#: Part of the allowed error that measurements may come to.
+SAFETY = 0.9
+#: What all steps so far lose of the area over what few lose in parts twice as long.
+ADDS_UP = 2.0
 
 
 class PartLength:
-    """Keeps the estimate of a contact, whose cases are in docs/theory/limits.md.
+    """Chooses the cells of a part of a step, and keeps what was measured of it.
 
-    shortens: whether a mean over what passes shortens the contact.
+    is_free: whether steps are divided at all; else each is one part, without an error.
     """
 
-    STATE: ClassVar = {"_outline": float, "_asperities": float}
+    STATE: ClassVar = {
+        **dict.fromkeys(("_cells", "_steps", "_next"), Aside(int)),
+        **dict.fromkeys(("_load", "_area", "_measured"), Aside(float)),
+        **dict.fromkeys(("_slid", "_changes"), Aside(list)),
+        **{"_has_fallen": Aside(bool), "_arrays": Aside(dict), "_numbers": Aside(str)},
+    }
 
-    def __init__(self, task: ContactTask, *, moves: bool, shortens: bool) -> None:
-        self._task, self._moves, self._shortens = task, moves, shortens
-        #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
-        self._outline = self._asperities = 0.0
+    def __init__(self, task: ContactTask, *, is_free: bool) -> None:
+        self._allowed, self._load, self.is_free = task.area_error, task.load, is_free
+        self._task = task
+        #: Cells of a part while steps are made again; None while they are not.
+        self.trial: int | None = None
         self.forget()
 
     def forget(self) -> None:
-        """Let the next contact begin as the first one does: the disc is another."""
-        if self._moves and not self._task.form.is_flat and self._shortens:
-            self._outline = math.inf
+        """Begin as a first contact does: the disc, or the way over it, is another."""
+        self._cells, self._steps, self._next, self._has_fallen = 1, 0, 0, False
+        #: Mean area of late, and when parts were measured last [mm²].
+        self._area = self._measured = 0.0
+        #: What doubling parts changed of the area in the last two measurements, relative.
+        self._changes: list[float] = []
+        self._drop()
 
-    def error(self, cells: int) -> float:
-        """Estimate the error of the area by a part over cells, relative, as the last contact was."""
-        return cells * self._outline + (cells - 1) * self._asperities if cells > 1 else 0.0
+    def _drop(self) -> None:
+        self._slid: list[Any] = []
+        self._arrays: dict[str, Any] = {}
+        self._numbers, self._load = "", self._task.load
+
+    @property
+    def error(self) -> float:
+        """Estimate the error of the area by the length of parts, relative; NaN where it is not known."""
+        if not self.is_free:
+            return 0.0
+        return ADDS_UP * max(self._changes) if self._changes else math.nan
 
     def cells(self, left: int) -> int:
         """Return the cells of the next part of a step that has some left: about as many as of those after."""
-        if self.error(left) <= LARGEST_ERROR:
+        if not self.is_free:
             return left
-        most = max(int((LARGEST_ERROR + self._asperities) / (self._outline + self._asperities)), 1)
-        return -(-left // -(-left // most))
+        return -(-left // -(-left // (self.trial or self._cells)))
 
-    def learn(self, *, along: float, bearing: float, elastic: float) -> None:
-        """See what a contact says of the next.
+    @property
+    def begins(self) -> bool:
+        """Tell whether the state before the next step is to be kept."""
+        differs = abs(self._area - self._measured) > OF_AREA * self._measured
+        return self.is_free and not self._slid and (self._steps >= self._next or differs)
 
-        along: its length in cells. bearing: real over nominal area. elastic: part of it below the hardness.
+    @property
+    def is_due(self) -> bool:
+        """Tell whether the steps since are to be made again."""
+        if self._slid and self._load != self._task.load:
+            self._drop()  # they were another load's
+        return len(self._slid) >= min(max(OF_STEPS * self._steps, LEAST_STEPS), MOST_STEPS)
+
+    def keep(self, arrays: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
+        """Keep the state before the next step."""
+        self._arrays, self._numbers = dict(arrays), json.dumps(numbers)
+
+    def note(self, increment: float, turned: int, area: float) -> None:
+        """Note a step: its increment in a cycle alone [mm], rows it is turned by, and its area [mm²]."""
+        self._steps += 1
+        self._area += (area - self._area) / min(self._steps, RECENT)
+        if self._numbers and not self.is_due:
+            self._slid.append((increment, turned))
+
+    @property
+    def of_part(self) -> int:
+        """Return the cells of a part."""
+        return self._cells
+
+    @property
+    def kept(self) -> tuple[dict[str, Any], dict[str, Any], list[tuple[float, int]]]:
+        """Return the state before the steps to be made again, and those."""
+        return self._arrays, json.loads(self._numbers), [(float(a), int(b)) for a, b in self._slid]
+
+    def judge(self, area: float, doubled: float, *, shift: int) -> bool:
+        """Learn from areas by parts as they are and twice as long; tell whether this has changed them.
+
+        shift: cells of a step.
         """
-        if self._task.form.is_flat:  # which has no outline
-            return
-        if self._shortens:
-            self._outline = OF_OUTLINE * bearing / along
-        self._asperities = self._task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
+        before = self._cells
+        change = abs(doubled / area - 1.0)
+        rises = not self._has_fallen or self._steps >= self._next
+        if rises and before < shift and _error(2 * before, 2.0 * change) <= SAFETY * self._allowed:
+            self._cells, change = 2 * before, 2.0 * change
+            self._changes = []
+        while _error(self._cells, change) > SAFETY * self._allowed:
+            self._cells, change, self._has_fallen = self._cells // 2, 0.5 * change, True
+            self._changes = []
+        self._changes = [*self._changes, change][-2:]
+        self._measured = self._area
+        self._drop()
+        changes = self._cells != before
+        if changes or rises:
+            self._next = int(GROWTH * self._steps) if self._has_fallen or not changes else self._steps
+        return changes
+
+
+def _error(cells: int, change: float) -> float:
+    """Return what parts of some cells do to the area against those of one. change: by doubling them."""
+    return ADDS_UP * change * (1.0 - 1.0 / cells)

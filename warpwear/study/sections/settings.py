@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
-from warpwear.study.units import InUnit, Range, one_by_one
+from warpwear.study.units import NOT_NEGATIVE, InUnit, Range, one_by_one
 
 ONE_APPROACH = when("patches.coupling", "approach")
 SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
@@ -90,6 +90,12 @@ class Run(Section):
 
     checkpoint: Annotated[float, InUnit("s", Range(or_equal=True, infinite=True))] = key(
         "2 min", "time between checkpoints, from which a run is resumed; 0 s is after every step, inf s never"
+    )
+    lap_memory: Annotated[float, InUnit("MB", NOT_NEGATIVE)] = key(
+        "256 MB",
+        "half-space on a track: for the pressures of laps, from which contacts of the next may start; places "
+        "that it has no room for start otherwise",
+        applies=when("contact.law", "half-space") + when("kinematics", "swept"),
     )
 
 
