@@ -75,10 +75,13 @@ def killed() -> None:
 
 
 def run_stopped(study: Study, out: Path, after: int, **options: Any) -> None:
-    """Leaves the checkpoint of so many steps, with one after each of the last three; of jumps after all."""
+    """Leaves the checkpoint of so many steps, with one after each of the last three; after all where some are
+    made again, as with jumps and where the length of parts is measured.
+    """
     with pytest.MonkeyPatch.context() as patch:
         calls = at_step(patch, after, lambda _: killed())
-        patch.setattr(Checkpoints, "due", property(lambda _: study.jumps or len(calls) > after - 3))
+        again = study.jumps or (study.is_swept and study.contact.law == "half-space")
+        patch.setattr(Checkpoints, "due", property(lambda _: again or len(calls) > after - 3))
         with pytest.raises(SystemExit):
             warpwear.run(study, out=out, plots=False, **options)
     assert (out / FILE_NAME).is_file()

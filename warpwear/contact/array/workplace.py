@@ -73,7 +73,7 @@ class Workplace:
         like: dict[str, Any] = {"modulus": 1.0, "boundary": boundary, "hardness": cap, **options}
         solver = self.solver(tuple(like.values()), lambda: HalfSpace(self.executor, **like))
         solver.forget()
-        solver.allow(tolerance)
+        solver.tolerance = tolerance
         return solver
 
 

@@ -113,10 +113,6 @@ class Search:
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
         self._program = self._make_program()
 
-    def allow(self, tolerance: float) -> None:
-        """Tell what violation the next runs may leave, as `SearchRules` says."""
-        self._kernel_rules.set(tolerance=tolerance)
-
     def streak(self, window: int) -> None:
         """Tell over how many cells along x the pressures are averaged that pass a cell."""
         self._executor.put(self._streaks.window, window)

@@ -116,12 +116,6 @@ class BoundedPressure:
         #: Whether the next solve starts from what `pressure_field` holds; else from nothing.
         self.started = False
 
-    def allow(self, tolerance: float) -> None:
-        """Solve from now on to another tolerance."""
-        self._rules = replace(self._rules, tolerance=tolerance)
-        if self._search:
-            self._search.allow(tolerance)
-
     def forget(self) -> None:
         """Start the next solve from nothing."""
         self.started = False
