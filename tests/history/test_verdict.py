@@ -111,7 +111,7 @@ def test_cells_of_a_local_track_are_those_of_outlines(changes: dict[str, Any], o
     if "disc.synthetic" in changes:
         changes = changes | {"sliding.track": "full", "sliding.stroke": "0.8 mm"}
     verdict = judged({"track": {"change_by_step": -0.03}}, track("local", **changes))
-    parts = {"step": 0.06, "cells": of_root * CELL_AREA * math.sqrt(60.0) / LAST, "balance of the load": 0.0}
+    parts = {"step": 0.09, "cells": of_root * CELL_AREA * math.sqrt(60.0) / LAST, "balance of the load": 0.0}
     assert verdict.area_parts == pytest.approx(parts, abs=1e-12)
     assert [*verdict.area_parts] == sorted(parts, key=lambda name: -parts[name])  # the largest first
     assert verdict.area_corrected_mm2 is None

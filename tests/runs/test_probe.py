@@ -57,7 +57,7 @@ def test_the_run_is_that_without_it(track: str, tmp_path: Path, device: str) -> 
     assert without.record["change_by_step"] is without.summary["verdict"]["area_parts"]["step"] is None
     assert with_it.record["change_by_step"] > 0.0
     part = with_it.summary["verdict"]["area_parts"]["step"]
-    assert part == 2.0 * with_it.summary["track"]["change_by_step"] > 0.0
+    assert part == 3.0 * with_it.summary["track"]["change_by_step"] > 0.0
     for name, values in without.history.items():
         assert_array_equal(with_it.history[name], values, err_msg=name)
     ends = with_it.snapshot(-1), without.snapshot(-1)

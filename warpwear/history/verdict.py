@@ -30,6 +30,9 @@ OF_PERIMETER = (math.pi - 1.0 + math.log(2.0)) / 24.0
 #: Two standard deviations of a count of cells within outlines, over the root of their sides: where they lie
 #: anyhow on the cells, and where they may lie in a regular way.
 OF_LEVEL, OF_REGULAR = 0.57, 1.14
+#: Halvings of the step that are told by what one changes. By the local law an area below the hardness goes
+#: with a power of the step and has no limit: an eighth is told. One of first order has its limit at two.
+HALVINGS = 3.0
 
 
 def rank_of(sentence: str, kind: str) -> int:
@@ -60,10 +63,10 @@ def errors_of_area(study: Study, s: Summary, history: Mapping[str, FloatArray]) 
 
 
 def _step(study: Study, s: Summary) -> float | None:
-    """Return what the length of a step does to an area, twice what another length changes."""
+    """Return what the length of a step does to an area, as a part of it."""
     if study.contact.law == "half-space":
         return s.step_error or None  # of one cell it is not looked at
-    return None if s.change_by_step is None else 2.0 * abs(s.change_by_step)
+    return None if s.change_by_step is None else HALVINGS * abs(s.change_by_step)
 
 
 def sides_of(touches: BoolArray) -> int:
