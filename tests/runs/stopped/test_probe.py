@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_stopped import run_stopped
 from cases_track import TRACKS, small
 from numpy.testing import assert_array_equal
 
@@ -109,3 +110,13 @@ def test_a_probe_that_fails_leaves_the_run_as_it_is(monkeypatch: pytest.MonkeyPa
     assert found.record["change_by_step"] is None
     assert found.finished
     assert_array_equal(found.snapshot(-1).wear_disc, expected.snapshot(-1).wear_disc)
+
+
+@pytest.mark.parametrize("track", TRACKS)
+def test_a_run_that_was_stopped_tells_the_same(track: str, tmp_path: Path, threads: int) -> None:
+    study = study_of(track, 2)
+    alone = warpwear.run(study, threads=1)
+    run_stopped(study, tmp_path / "run", len(alone.history["distance"]) - 2, threads=threads)
+    again = warpwear.run(study, out=tmp_path / "run", resume=True, plots=False, threads=threads)
+    assert again.record["change_by_step"] == alone.record["change_by_step"] != 0.0
+    assert again.summary["verdict"] == alone.summary["verdict"]
