@@ -1,6 +1,6 @@
 """Holds the errors that verdicts tell of an area to finer runs of the same test.
 
-    python bench/verdict.py [--processes 2] [--only film,cylinder] [--finer 4] [--shorter 8]
+    python bench/verdict.py [--processes 2] [--only "film;cylinder"] [--finer 4] [--shorter 8]
 
 Each case is run as it is and once more, in cells `--finer` times smaller and on a track in steps `--shorter`
 times shorter; the half-space divides its steps by itself. The table has the told parts in % of the area,
@@ -34,6 +34,7 @@ BALL: dict[str, Any] = {
     **{"output.snapshots": [], "stepping.jump": 1, "friction.shear_strength": "60 MPa"},
 }
 FULL = {"sliding.track": "full", "sliding.stroke": "0.4 mm", "disc.synthetic.period": "0.8 mm"}
+ROUND = {"sliding.stroke": None, "sliding.track": "full", "sliding.track_radius": "80 um"}
 SMOOTH = {"disc.synthetic": {"kind": "flat"}}
 WIDER = {"grid.extent": "0.4 mm", "sliding.track": "0.48 mm", "disc.synthetic.period": "0.48 mm"}
 SOFT = {"contact.hardness": "inf MPa"}
@@ -82,6 +83,17 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "lap, seed 5": ("track", BALL | {"disc.synthetic.seed": 5}),
     "lap, not capped": ("track", BALL | SOFT),
     "lap, ball wears": ("track", BALL | {"wear.counter": "1e-4 mm^3/N/m"}),
+    "lap, ball alone wears": ("track", BALL | {"wear.counter": "1e-4 mm^3/N/m", "wear.disc": "0 mm^3/N/m"}),
+    "lap, both wear by little": (
+        "track",
+        BALL | {"wear.counter": "1e-5 mm^3/N/m", "wear.disc": "1e-5 mm^3/N/m"},
+    ),
+    "lap, harder": ("track", BALL | {"contact.hardness": "1500 MPa"}),
+    "lap, exponential": ("track", BALL | {"wear.law": "exponential", "wear.decay": "0.02 1/mm"}),
+    "lap, long": ("track", BALL | {"sliding.distance": "240 mm"}),
+    "revolutions": ("track", BALL | ROUND),
+    "revolutions, not capped, film": ("track", BALL | ROUND | SOFT | FILM),
+    "stroke, not capped": ("track", BALL | FULL | SOFT),
     "lap, milled": ("track", BALL | MILLED),
     "lap, measured": ("track", BALL | {"disc.surface": "measured"}),
     "lap, film": ("track", BALL | FILM),
@@ -96,7 +108,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         "track",
         BALL | {"contact.stiffness": "1e6 N/mm^3", "stepping.jump": "auto", "sliding.distance": "400 mm"},
     ),
-    "lap, keeps dents": ("track", BALL | WIDER | {"sliding.plastic": "keep"}),
+    "lap, keeps dents": ("track", BALL | WIDER | {"sliding.plastic": "keep", "sliding.distance": "20 mm"}),
     "lap, programme": ("track", BALL | {"block": BLOCKS}),
     "lap, crowned": (
         "track",
@@ -121,7 +133,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "revolutions, smooth": (
         "track",
-        BALL | SMOOTH | {"sliding.stroke": None, "sliding.track": "full", "sliding.track_radius": "80 um"},
+        BALL | SMOOTH | ROUND,
     ),
     "spot": ("v3-fine", SPOT),
     "spot, measured": ("v3-fine", SPOT | {"disc.surface": "measured"}),
@@ -147,10 +159,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "lap, half-space, programme": ("track", BALL | HALF_SPACE | {"block": BLOCKS}),
     "revolutions, half-space, smooth": (
         "track",
-        BALL
-        | HALF_SPACE
-        | SMOOTH
-        | {"sliding.stroke": None, "sliding.track": "full", "sliding.track_radius": "80 um"},
+        BALL | HALF_SPACE | SMOOTH | ROUND,
     ),
 }
 
@@ -226,11 +235,11 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--processes", type=int, default=1)
-    parser.add_argument("--only", default="", help="words of the names of cases, separated by commas")
+    parser.add_argument("--only", default="", help="parts of names of cases, separated by ;")
     parser.add_argument("--finer", type=float, default=4.0, help="cell over that of the finer run")
     parser.add_argument("--shorter", type=float, default=8.0, help="step over that of the finer run, in mm")
     options = parser.parse_args()
-    names = [name for name in CASES if any(word in name for word in options.only.split(","))]
+    names = [name for name in CASES if any(word in name for word in options.only.split(";"))]
     print("| case | told parts, % | told | true | told/true | scar off, cells | s |\n" + "|---" * 7 + "|")
     ratios = []
     with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(options.processes) as pool:

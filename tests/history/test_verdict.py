@@ -159,6 +159,11 @@ def test_what_nobody_looked_at_is_not_known() -> None:
     assert summary["contact_sides"] is summary["verdict"]["area_parts"]["cells"] is None
 
 
+def test_a_scar_is_known_to_two_cells_unless_dents_are_kept() -> None:
+    assert judged({}).scar_error_mm == judged({}, track("local")).scar_error_mm == pytest.approx(0.01)
+    assert judged({}, track("local", **{"sliding.plastic": "keep"})).scar_error_mm is None
+
+
 def test_known_errors_add_up_as_squares() -> None:
     static = {"area_static": np.array([0.9 * LAST, math.nan]), "area_contact": np.array([LAST, LAST])}
     also = {

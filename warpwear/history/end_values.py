@@ -28,7 +28,7 @@ class Verdict:
     area_relative: float | None
     area_parts: Mapping[str, float | None]
     area_scatter: float | None
-    scar_error_mm: float
+    scar_error_mm: float | None
     friction: str
 
 

@@ -75,7 +75,6 @@ def sides_of(touches: BoolArray) -> int:
 
 
 def _is_smooth(study: Study) -> bool:
-    """Tell whether outlines of contacts are as regular as those of smooth bodies."""
     return not study.is_rough or (study.disc.synthetic is not None and study.disc.synthetic.kind == "flat")
 
 
@@ -98,7 +97,7 @@ def cells_of(study: Study, s: Summary, history: Mapping[str, FloatArray]) -> flo
     # Of a smooth line all rows are alike.
     sides = s.contact_sides * (study.cells.ny if study.is_line and _is_smooth(study) else 1)
     level = (1e-3 * s.cell) ** 2 * math.sqrt(sides) / float(history["area_contact"][-1])
-    level *= OF_REGULAR if at_rest or _is_smooth(study) else OF_LEVEL
+    level *= OF_REGULAR if at_rest or study.is_line or _is_smooth(study) else OF_LEVEL
     return max(level, over) if half_space else level
 
 
@@ -161,7 +160,7 @@ def verdict_of(study: Study, s: Summary, history: Mapping[str, FloatArray]) -> V
         area_relative=area,
         area_parts=parts,
         area_scatter=piece,
-        scar_error_mm=2e-3 * s.cell,
+        scar_error_mm=None if study.is_swept and study.sliding.plastic == "keep" else 2e-3 * s.cell,
         friction=friction,
     )
 
