@@ -160,8 +160,11 @@ def test_what_nobody_looked_at_is_not_known() -> None:
 
 
 def test_a_scar_is_known_to_two_cells_unless_dents_are_kept() -> None:
-    assert judged({}).scar_error_mm == judged({}, track("local")).scar_error_mm == pytest.approx(0.01)
+    assert judged({}, track("local")).scar_error_mm == pytest.approx(0.01)
+    assert judged({}, Study.load("two-scale")).scar_error_mm is None
     assert judged({}, track("local", **{"sliding.plastic": "keep"})).scar_error_mm is None
+    parts = judged({}, track("half-space"), parts=np.array([8.0, 3.0]))
+    assert parts.scar_error_mm == pytest.approx(0.005 * (1 + 3))  # two parts of three cells, one of two
 
 
 def test_known_errors_add_up_as_squares() -> None:

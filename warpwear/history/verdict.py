@@ -113,6 +113,17 @@ def corrected(study: Study, s: Summary, history: Mapping[str, FloatArray]) -> fl
     return s.area_contact * (1.0 - over)
 
 
+def _scar_error(study: Study, history: Mapping[str, FloatArray]) -> float | None:
+    """Return the error of length and width of the scar [mm]; None of patches, and of dents that are kept.
+
+    A cell at each end; and what a part of a step goes over, along which the counter-body's wear is a mean.
+    """
+    if study.study.model == "two-scale" or (study.is_swept and study.sliding.plastic == "keep"):
+        return None
+    part = math.ceil(study.shift / history["parts"].min()) if "parts" in history else 1
+    return (1.0 + part) * study.grid.cell
+
+
 def scatter(study: Study, s: Summary, history: Mapping[str, FloatArray]) -> float | None:
     """Return by what part the area differs on another piece of such a surface, by one standard deviation.
 
@@ -160,7 +171,7 @@ def verdict_of(study: Study, s: Summary, history: Mapping[str, FloatArray]) -> V
         area_relative=area,
         area_parts=parts,
         area_scatter=piece,
-        scar_error_mm=None if study.is_swept and study.sliding.plastic == "keep" else 2e-3 * s.cell,
+        scar_error_mm=_scar_error(study, history),
         friction=friction,
     )
 
