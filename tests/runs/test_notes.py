@@ -47,7 +47,7 @@ def test_a_terminal_gets_the_result_the_verdict_and_three_notes(
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     assert first.startswith(f"{summary['name']}: 3 mm slid")
     assert second.split(maxsplit=1) == ["verdict", summary["verdict"]["text"]]
-    assert second.split(maxsplit=1)[1].startswith("not to be trusted: 1 warning; area ±")
+    assert second.split(maxsplit=1)[1].startswith("not to be trusted: 1 warning; area ")
     notes = summary["warnings"]
     told = [line for line in shown.stderr.splitlines() if line.startswith(("note: ", "warning: "))]
     assert len(told) == 3

@@ -14,16 +14,21 @@ Value = str | int | float | None
 class Verdict:
     """Say what to trust, and how far.
 
-    area_relative, depth_relative: errors as parts of the area and of the mean depth of the scar; area_parts:
-    what makes the area uncertain -> its part of it. None is not known. area, friction: the same in words.
+    area_relative: error of the area, as a part of it, and of pressures and friction, which go by it.
+    area_parts: what makes it uncertain -> its part, the largest first, then what nobody looked at.
+    area_scatter: part by which another piece of such a surface differs, one standard deviation.
+    area_corrected_mm2: what is told where it is not the counted area. scar_error_mm: of length and width.
+    None is not known. area, friction: the same in words.
     """
 
     text: str
     trusted: bool
     area: str
+    area_corrected_mm2: float | None
     area_relative: float | None
     area_parts: Mapping[str, float | None]
-    depth_relative: float | None
+    area_scatter: float | None
+    scar_error_mm: float | None
     friction: str
 
 
@@ -32,8 +37,10 @@ class Summary:
     """Hold what a run came to, as its texts ask for it; beside each stand its keys in summary.json.
 
     They name its unit. What a run may lack is None. Names are those of `ENDS` and of the history; of a swept
-    run areas, pressures and `cof` are means over what `end_values` says. step_error: part of the area by the
-    length of steps. books: what volumes over wear coefficients are of F L, less 1.
+    run areas, pressures and `cof` are means over what `end_values` says. contact_sides: of cells of the last
+    contact beside others. step_error, change_by_step: part of the area by the length of steps, on the
+    half-space; and by which another length changes it. books: what volumes over wear coefficients are of F L,
+    less 1.
     """
 
     distance: Annotated[float, "distance_mm"]
@@ -68,8 +75,9 @@ class Summary:
     conservation: Annotated[Mapping[str, float], "conservation_relative"]
     books_counter: Annotated[float | None, "layers_counter.volumes_over_K_less_FL"]
     books_disc: Annotated[float | None, "layers_disc.volumes_over_K_less_FL"]
+    contact_sides: Annotated[int | None, "contact_sides"]
+    change_by_step: Annotated[float | None, "track.change_by_step"]
     step_error: Annotated[float | None, "track.parts.estimated_error_at_most"]
-    area_of_directions: Annotated[Mapping[str, float] | None, "track.last_cycle.area_contact_mm2"]
     jump_errors: Annotated[Mapping[str, float] | None, "cycle_jump.depth_error"]
     finished: Annotated[bool, "finished"]
     warnings: Annotated[list[str], "warnings"]

@@ -6,6 +6,9 @@ turns reverses at the end of each pass and covers the same cells the other way. 
 middle is rounded towards where the counter-body comes from: to and fro the places are as many on either side
 of the stroke's middle. In steps of one cell each is passed twice a cycle and the ends once.
 
+Were all passes solved at the same places, wear there would make others of the cells between them. So a track
+may have each pass solved some cells further within its steps than the one before, round and round.
+
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
 cell, the ball slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
 revolution, whose length is rounded to whole steps: the rounding goes into the fraction too.
@@ -29,11 +32,18 @@ Number = Any
 
 #: Largest error of a length that should be a whole number of cells, relative.
 WHOLE = 1.0e-6
+#: Part of a way by which to move on so that no two places of it are near each other.
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 def is_whole(number: float) -> bool:
     """Tell whether a number of cells, steps or waves is 1 or more, and whole but for rounding."""
     return abs(number - round(number)) <= WHOLE * number and round(number) >= 1
+
+
+def spread_over(cells: int) -> int:
+    """Return by how many cells to move on from pass to pass so that few passes lie all over so many cells."""
+    return next(n for n in range(round(GOLDEN * cells), 2 * cells) if math.gcd(n, cells) == 1) % cells
 
 
 @dataclass(frozen=True)
@@ -51,6 +61,7 @@ class Track:
     periodic: bool  # whether the disc's rows close on themselves
     reverses: bool  # whether the counter-body turns at the end of a pass
     spare: int = 0  # rows of the disc that a longer stroke has, half of them at either end
+    move: int = 0  # cells of the disc by which each pass is solved further than the one before, within steps
 
     @classmethod
     def at_rest(cls, grid: Grid) -> Self:
@@ -121,6 +132,8 @@ class Track:
         """Return what `row` does, of a periodic disc before it is wrapped."""
         start, covered, back = self._covered(step)
         ahead = done + (covered if cells is None else cells) // 2
+        if self.move:
+            ahead = (ahead + (1 - 2 * back) * self.move * (step // self.steps_of_pass)) % covered
         middle = start + ahead + back * (covered - 2 * ahead)
         return middle - self.window // 2 if self.periodic else middle + self.spare // 2
 

@@ -82,15 +82,15 @@ def answers_of(study: Study, s: Summary) -> list[Answer]:
     of_pass = f", mean of the {s.end_values}" if study.is_swept else ""
     uniform = s.pressure_std <= 1e-6 * s.pressure_mean
     spread = "uniform" if uniform else f"standard deviation {s.pressure_std:.3g} MPa"
-    rim = f"± {2 * s.cell:.3g} µm, a cell at each rim"
+    rim, area = f"± {2 * s.cell:.3g} µm, a cell at each rim", s.verdict.area_corrected_mm2 or s.area_contact
     strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
     part = f"{100.0 * (s.area_contact / s.area_nominal):.3g} % of the scar{of_pass}{strip}"
     largest = f"{spread}, largest {shown(s.pressure_max)} MPa"
     approach = shown(s.approach).replace("-", "−")
     return [
         Answer("Scar, along × across sliding", shown([s.patch_along, s.patch_across]), "mm", rim),
-        _answer(ENDS["area_contact"], shown(s.area_contact), error=s.verdict.area, note=part),
-        _answer(ENDS["pressure_mean"], shown(s.pressure_mean), note=largest),
+        _answer(ENDS["area_contact"], shown(area), error=s.verdict.area, note=part),
+        _answer(ENDS["pressure_mean"], shown(s.pressure_mean), error="as that of the area", note=largest),
         _worn(study, s) if study.sliding.total else _answer(BY_NAME["approach"], approach, note=APPROACH),
         _cof(study, s),
     ]

@@ -11,7 +11,7 @@ from warpwear.history.distances import with_unit
 from warpwear.history.end_values import Summary
 from warpwear.history.quantities import BY_NAME
 from warpwear.history.rows import Named
-from warpwear.history.verdict import verdict_of
+from warpwear.history.verdict import sides_of, verdict_of
 from warpwear.laws import passes
 from warpwear.laws.archard import BODIES
 from warpwear.laws.courses import Breaking, fit_breaking
@@ -166,6 +166,7 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "approach_um", 1.0e3 * end["approach"]),
         Row("", "area_mm2", areas),
         Row("", "area_real_over_nominal", real),
+        Row("", "contact_sides", _sides(result)),
         *_on_filled(result.load_on_filled),
         Row("pressure", "pressure_MPa", pressures, note=of_steps),
         *_above_hardness(result),
@@ -175,6 +176,16 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("worn volume", "volume_mm3", volumes, digits=5, note=note),
         *([Row("of a mm of line", "volume_mm3_per_mm", of_line, digits=5, unit="mm³/mm")] if of_line else []),
     ]
+
+
+def _sides(result: ResultFile) -> int | None:
+    """Count the sides of the last contact; None where it is no set of cells, or was not kept."""
+    study, distances = result.study, result.snapshot_distances
+    if study.study.model == "two-scale" or study.uses_bearing_area or not distances.size:
+        return None
+    if distances[-1] != result.history["distance"][-1]:
+        return None
+    return sides_of(result.snapshot(-1).pressure > 0.0)
 
 
 def _above_hardness(result: ResultFile) -> list[Row]:

@@ -49,6 +49,7 @@ def track(result: ResultFile) -> list[Row]:
         *entries({"length_mm": layout.cells * layout.cell, "pass_mm": layout.stroke}),
         Row("passes", "passes", passes, note=f", area in contact {shown(areas)} mm²"),
         *entries({"shift_cells": layout.shift, "area_contact_mm2_of_passes": areas}),
+        Row("", "change_by_step", result.record.get("change_by_step")),
         *_directions(result),
         *_groove(result),
         Row("", "plastic", study.sliding.plastic),

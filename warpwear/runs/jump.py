@@ -19,7 +19,7 @@ from warpwear.engine import state
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
-from warpwear.laws.track import Leg, Track
+from warpwear.laws.track import GOLDEN, Leg, Track
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned, kept_after
 
@@ -36,8 +36,6 @@ YOUNG = 2
 LANDING = 4
 #: Least exponent of the distance with which rms depths grow: a ball's have 3/4, those of its groove 5/6.
 GROWTH = 1.0 / 3.0
-#: Part of a closed track from the beginning of one jump to that of the next: no two are near each other.
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 #: Columns of the history that both states are compared by.
 COMPARED = ("area_contact", "bare_fraction")
 
@@ -179,7 +177,7 @@ class CycleJumps:
         """Tell the model of the next cycle, and begin jumps each time elsewhere: each leaves a ramp there."""
         track, elsewhere = self._track, self._track.periodic and stands_for > 1 and not self._track.reverses
         self.model.stands_for = stands_for
-        # By whole steps: the contact then has the same places as in all other cycles.
+        # By whole steps, no two near each other: a contact then has the places that it has in other cycles.
         steps = int(track.steps_of_pass * (cycle * GOLDEN % 1.0)) if elsewhere else 0
         self.model.turned = steps * track.shift
 

@@ -31,6 +31,7 @@ from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned
+from warpwear.runs.probe import change_by_step
 from warpwear.runs.step import RunStep
 
 LOG = logging.getLogger("warpwear.run")
@@ -158,6 +159,9 @@ class StepLoop:
         }
         if self._jumps is not None:
             record["cycle_jump"] = self._jumps.told()
+        if self.finished:
+            with phase("steps"):
+                record["change_by_step"] = change_by_step(self._order.study, self._model, len(self._rows))
         with phase("write"):
             self._writer.finish(
                 history, record, finished=self.finished, book=self._model.book, pieces=self._model.pieces

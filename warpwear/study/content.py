@@ -20,7 +20,7 @@ from warpwear.laws.friction import FrictionLaw
 from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask, FeatureLaw
-from warpwear.laws.track import WHOLE, Leg, Track
+from warpwear.laws.track import WHOLE, Leg, Track, spread_over
 from warpwear.study import motion
 from warpwear.study.bodies import CONSTANTS, CounterBody, Disc
 from warpwear.study.contact import Contact
@@ -351,7 +351,8 @@ class Content(Section):
         full, rotates = sliding.track == "full", sliding.track_radius is not None
         length, unit = lap if full else float(sliding.track), shift if full and rotates else 1
         cells = max(1, round(length / (unit * cell))) * unit
-        return Track(cells, shift, cell, self.cells.nx, lap, rotates or not full, not rotates)
+        move = spread_over(shift) if self.contact.law == "local" else 0
+        return Track(cells, shift, cell, self.cells.nx, lap, rotates or not full, not rotates, move=move)
 
     @cached_property
     def tracks(self) -> tuple[Track, ...]:

@@ -62,17 +62,18 @@ def test_laws_of_the_distance_are_integrated_over_what_a_jump_stands_for() -> No
     assert jumped == pytest.approx(every, rel=1e-12)
 
 
-@pytest.mark.parametrize(("law", "jump"), [("local", 8), ("half-space", "auto")])
+@pytest.mark.parametrize(("law", "jump", "most"), [("local", 8, 1.5), ("half-space", "auto", 0.5)])
 def test_the_error_that_is_told_holds(
-    law: str, jump: Any, device: str, monkeypatch: pytest.MonkeyPatch
+    law: str, jump: Any, most: float, device: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """By the local law a jump wears more at its own steps' places, which later cycles take off again."""
     study = study_of(sliding__distance="160 mm").replace(LAWS[law])
     monkeypatch.setattr(PartLength, "begins", False)  # both in parts of one cell
     every, jumped = (warpwear.run(study.replace({"stepping.jump": j}), device=device) for j in (1, jump))
     told = jumped.summary["track"]["jumps"]
     assert told["contacts"] < 0.6 * told["contacts_of_every_cycle"]
     largest = max(told["depth_error_percent"].values())
-    assert 0.0 < largest <= 0.5
+    assert 0.0 < largest <= most
     for body, depth in worn(every).items():
         assert distance_of(depth, worn(jumped)[body]) <= largest / 100.0
 

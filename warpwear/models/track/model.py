@@ -74,6 +74,10 @@ class SweptModel(Model):
         if isinstance(self.contact, SlidingHalfSpace):
             self.contact.forget_way()
 
+    def go_on(self, track: Track, cycle: int) -> None:
+        """Go on over the same disc in the steps of another track, from the first of a cycle."""
+        self._track, self._done = track, cycle * track.passes_of_cycle * track.steps_of_pass
+
     def switch_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
         """Begin with the first step on another circle of the disc, see `Circles` of `runs/loop.py`."""
         self.contact.forget()

@@ -107,6 +107,11 @@ class Checks(Section):
         "stop when a step breaks what must hold: finite numbers, balance, volumes, a contact off the edge "
         "and on measured points; false records a warning",
     )
+    step_probe: bool = key(
+        True,
+        "local law, swept: slide on in shorter steps at the end, a cycle at most, for the error of the area",
+        applies=when("contact.law", "local") + when("kinematics", "swept"),
+    )
 
 
 #: Most distances at which fields are kept.
