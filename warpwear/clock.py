@@ -15,11 +15,14 @@ REPORTED = {
     "draw": ("draw",),
 }
 
+#: Units that are not seconds, the longest first.
+LONG = ((3600.0, "h"), (60.0, "min"))
+
 
 class Clock:
     """Adds up the seconds of each phase; one inside another counts for itself alone.
 
-    import_seconds: what imports took before. entered: is called with the name of a phase that begins.
+    import_seconds: what imports took before. entered: is called with each phase that begins or goes on.
     """
 
     def __init__(
@@ -71,3 +74,10 @@ def phase(name: str) -> Iterator[None]:
         yield
     finally:
         clock.turn_to(before)
+        clock._entered(before)
+
+
+def lasting(seconds: float) -> str:
+    """Write how long something takes, as people say it: 40 s, 3 min, 2 h."""
+    size, unit = next(((size, unit) for size, unit in LONG if seconds >= size), (1.0, "s"))
+    return f"{seconds / size:.2g} {unit}"

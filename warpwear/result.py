@@ -9,11 +9,11 @@ from typing import Any, TypeAlias
 from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.lazy import resolve
+from warpwear.results.ending import ending
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
-from warpwear.results.report import record
-from warpwear.results.summary import summarise, summary_text
+from warpwear.results.summary import summarise
 from warpwear.study.surface import surface_in
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
@@ -49,7 +49,7 @@ class Result(ResultFile):
     @cached_property
     def summary(self) -> dict[str, Any]:
         """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
-        return record(summarise(self))
+        return summarise(self)
 
     def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return the disc's heights before any wear over its mean plane, made or read again.
@@ -182,7 +182,7 @@ class Result(ResultFile):
         return resolve(PLOTTER)(self)
 
     def __str__(self) -> str:
-        return summary_text(summarise(self)) if self._file else repr(self)
+        return ending(self) if self._file else repr(self)
 
     def _repr_html_(self) -> str:
         """Draw a notebook's view of the result."""

@@ -11,7 +11,6 @@ from warpwear import InputError, Study
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.history import volumes as volumes_of
 from warpwear.page.content import words_of
-from warpwear.results.summary import summarise, summary_text
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
@@ -75,7 +74,7 @@ def test_volumes_of_a_line_say_whose_they_are() -> None:
     """They are those of the domain's strip, which nobody measures."""
     study = line(grid__cell="8 um", grid__extent=["0.6 mm", "16 um"], sliding__distance="0.1 mm")
     result = warpwear.run(study, plots=False)
-    text, summary = summary_text(summarise(result)), result.summary
+    text, summary = str(result), result.summary
     for body, volume in summary["volume_mm3"].items():
         assert summary["volume_mm3_per_mm"][body] == pytest.approx(volume / 0.016, rel=1e-12)
     table = {name: (value, unit) for name, value, unit in words_of(result)["table"]}
@@ -83,7 +82,7 @@ def test_volumes_of_a_line_say_whose_they_are() -> None:
     assert table["Worn volume, counter-body and disc"][1].endswith("mm³ per mm of line")
     assert volumes_of(FigureData(result, [])).panels[0].note == "of 0.016 mm of the line"
     (volumes,) = (text_line for text_line in text.splitlines() if "worn volume" in text_line)
-    assert volumes.endswith("mm³ (of the domain's 0.016 mm across)")
+    assert " mm³ per mm of the line (K × load × distance" in volumes
 
 
 def test_a_block_on_a_ring(device: str) -> None:

@@ -31,7 +31,7 @@ SENTENCES = [
     ("docs/how-to/before-and-after.md", "single ones that lie apart do not", "that have worn alone"),
     (
         "warpwear/templates/trust.txt",
-        "Run again with half the cell to see the error of the mesh.",
+        "The contact covers {{",
         "How much the mesh",
     ),
     ("docs/theory/running-in.md", "f the loaded share of the track, about 0.2 (not φ∞)", "S w φ∞ t"),

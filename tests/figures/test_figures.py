@@ -340,7 +340,7 @@ def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
     assert len(images) == 3
     assert all(base64.b64decode(image).startswith(b"\x89PNG") for image in images)
     assert "slides 30 mm" in html
-    assert "Not predicted: its shear strength" in html
+    assert "Not predicted: as good as the shear strength" in html
     assert "<script" not in html
     assert len(html) < 200_000
     assert len(re.findall("data:image", results["static"]._repr_html_())) == 1

@@ -57,7 +57,7 @@ def test_the_section_of_a_groove(here: Path) -> None:
     error = content["section_error_um2"]
     assert isinstance(error, float)
     assert content["section_um2"] == pytest.approx(1e6 * 3e-3 * 0.8 / 1.5, abs=3.0 * error)
-    result = run("groove.x3p", "--track", "--figure", "g.svg")
+    result = run("groove.x3p", "--track", "--figure", "g.svg", "--details")
     assert "through the profile beside the groove" in result.output
     assert "± one standard error" in result.output
     assert (here / "g.svg").is_file()

@@ -71,9 +71,13 @@ def test_a_folder_is_written_and_its_table_is_the_course_again(
     assert "steady value" in page
     assert "http" not in page.split("<script")[0].replace("http-equiv", "")
     again_text = describe([path], radius="5 mm")
-    assert again_text.endswith(
-        "jump-record is there already and was not written again: --overwrite replaces it"
+    last = again_text.splitlines()[-1]
+    assert last.startswith(
+        "jump-record is there already and was not written again: --overwrite replaces it; "
     )
+    assert again_text.count("\n") < 10
+    whole = describe([path], radius="5 mm", details=True).splitlines()
+    assert last.endswith(f"; {len(whole) - again_text.count(chr(10)) - 1} more lines with --details")
     describe([path], radius="5 mm", overwrite=True)
     with pytest.raises(InputError, match="already holds a record"):
         describe([path], out=folder)
@@ -87,7 +91,7 @@ def test_steps_of_a_recipe_are_blocks(tmp_path: Path) -> None:
     assert [step["load_N"] for step in found["steps"]] == [3.0, 3.0]
     laps = 0.2 * (ROWS - 1)
     assert found["steps"][1]["distance_mm"] == pytest.approx(18.0 * np.pi * laps)
-    text = describe([path], radius="6 mm, 9 mm", out=tmp_path / "out")
+    text = describe([path], radius="6 mm, 9 mm", out=tmp_path / "out", details=True)
     assert text.count("\n  step ") == 2
     with (tmp_path / "out" / "record.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -98,7 +102,7 @@ def test_steps_of_a_recipe_are_blocks(tmp_path: Path) -> None:
 def test_loops_are_drawn_and_hold_the_energy_of_a_cycle(tmp_path: Path) -> None:
     path = tmp_path / "trb3.txt"
     path.write_bytes(written(RECORDS["trb3.txt"][0]()))
-    text = describe([path], out=tmp_path / "out")
+    text = describe([path], out=tmp_path / "out", details=True)
     assert (tmp_path / "out" / "loops.png").exists()
     loops = printed(path)["loops_mJ"]
     assert list(loops) == ["1", "3", "6"]

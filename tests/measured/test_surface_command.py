@@ -60,9 +60,8 @@ def surface(*arguments: str | Path) -> Result:
 
 
 def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    done = surface(
-        "../files/rough.npy", *GIVEN, "--outliers", "6", "--s-filter", "8 um", "--l-filter", "0.5 mm"
-    )
+    filters = ("--outliers", "6", "--s-filter", "8 um", "--l-filter", "0.5 mm")
+    done = surface("../files/rough.npy", *GIVEN, *filters, "--details")
     assert done.exit_code == 0, done.output
     for words in ("300 × 300 points", "pixel 3 × 3 µm (as given)", "Sa 0.", "Sk 0.", "Smr1", "Ra along y"):
         assert words in done.output
@@ -73,6 +72,7 @@ def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     again = surface("../files/rough.npy", *GIVEN)
     assert again.exit_code == 0, again.output
     assert "Sa 0." in again.output
+    assert again.output.count("\n") <= 10 < done.output.count("\n")
     assert "rough.npy-surface.png is there already and was not drawn again" in again.output
     refused = surface("../files/rough.npy", *GIVEN, "--figure", "rough.npy-surface.png")
     assert isinstance(refused.exception, InputError)

@@ -178,6 +178,6 @@ def test_the_summary_withholds_that_length(
     fit = Settling(1.6, 3.6, 120.0, 0.1, 9.0, 0.05)
     monkeypatch.setattr(summary_models, "settling", lambda *_: fit)
     monkeypatch.setattr(summary_models, "growth_of_view", lambda _: reason)
-    numbers = summary_models._inner_scar(result, "disc").value
+    numbers = summary_models._inner_scar(result, "disc")
     assert numbers["settling"]["running_in_length_mm"] == (None if reason else 120.0)
     assert numbers["settling"].get("no_length") == reason

@@ -5,7 +5,11 @@ from cases_track import small
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.results.summary import summarise, summary_text
+from warpwear.drafts.draft import outlook
+from warpwear.history.end_values import Verdict
+from warpwear.laws.elastic import asperities
+from warpwear.results import ending
+from warpwear.results.summary import UNTOLD, summarise, summary_text
 
 STILL = {"grid.cell": "20 um", "sliding.distance": "60 mm", "output.snapshots": []}
 
@@ -13,8 +17,9 @@ STILL = {"grid.cell": "20 um", "sliding.distance": "60 mm", "output.snapshots": 
 def rows_of(study: Study) -> tuple[warpwear.Result, dict[str, str]]:
     """The result of a study, and its rows in the terminal by their names."""
     result = warpwear.run(study)
-    lines = summary_text(summarise(result)).splitlines()[1:]
-    return result, {line[2:18].strip(): line[18:].strip() for line in lines}
+    lines = str(result).splitlines()
+    assert len(lines) <= 9  # and one for the page
+    return result, {line[2:18].strip(): line[18:].strip() for line in lines[1:]}
 
 
 def test_a_disc_at_rest_is_told_with_its_section_on_a_track() -> None:
@@ -23,33 +28,59 @@ def test_a_disc_at_rest_is_told_with_its_section_on_a_track() -> None:
     found = result.summary["on_a_track"]
     section = result.history["wear_volume_disc"][-1] / 5.0
     assert found == {"length_mm": 5.0, "section_um2": pytest.approx(1e6 * section, rel=1e-12)}
-    told = rows["disc at rest"]
-    assert told.startswith("scar and depths are those of one spot")
-    assert f"on a track of 5 mm: section {1e6 * section:.4g} µm²" in told
+    assert rows["depth"].endswith("of one spot of the disc, which stays under the load")
     for changes in ({"sliding.stroke": "100 mm"}, {"sliding.distance": "0 mm"}):  # no whole pass
         less, lines = rows_of(Study.load("v3-fine").replace(STILL | changes))
         assert "on_a_track" not in less.summary
-        assert ("disc at rest" in lines) == ("sliding.stroke" in changes)
+        assert ("depth" in lines) == ("sliding.stroke" in changes)
 
 
 def test_an_assumed_coefficient_of_friction_is_told() -> None:
     study = Study.load("v3-fine").replace(STILL)
     for changes, told in (
-        ({"friction.coefficient": 0.4}, "at the end (an input) 0.4"),
-        ({"friction.calibrate": "end"}, "at the end (an input, assumed) 0.6"),
+        ({"friction.coefficient": 0.4}, "→ 0.400; the end is your input; its shear strength, "),
+        ({"friction.calibrate": "end"}, "→ 0.600; the end is assumed; its shear strength, "),
     ):
         assert told in rows_of(study.replace(changes))[1]["friction"]
 
 
 def test_a_groove_is_told_by_its_section() -> None:
     result, rows = rows_of(small("representative", output__snapshots=["3 mm"], grid__cell="10 um"))
-    assert "disc at rest" not in rows
+    assert "one spot" not in rows["depth"]
     groove = result.summary["track"]["groove"]
     assert groove["mean_depth_um"] < groove["deepest_um"]
-    assert rows["groove"] == (
-        f"mean section {groove['section_um2']:.4g} µm², {groove['width_mm']:.3g} mm wide, "
-        f"mean profile {groove['deepest_um']:.3g} µm deep at most"
-    )
+    deepest = result.summary["depth_um"]["disc"]
+    assert rows["depth"].startswith(f"disc {deepest:.3g} (mean section {groove['deepest_um']:.3g}), ball ")
+
+
+def test_details_have_every_number_of_the_summary() -> None:
+    """Each under its name of summary.json, but what is not known."""
+    result = warpwear.run(small("representative", output__snapshots=["3 mm"], grid__cell="10 um"))
+    told = summary_text(summarise(result))
+
+    def look(content: dict[str, object]) -> None:
+        for key, value in content.items():
+            if isinstance(value, dict):
+                look(value)
+            elif isinstance(value, float | int):
+                assert f"{key} {value:.4g}" in told or f"{key} {value}" in told
+
+    look({key: value for key, value in result.summary.items() if key not in UNTOLD})
+
+
+@pytest.mark.parametrize(
+    ("relative", "parts", "told"),
+    [
+        (0.06, {"step": 0.01, "cell": 0.05, "balance": 1e-9}, "± 6 % (cell 5, step 1)"),
+        (0.06, {"cell": 0.06, "direction": None}, "± 6 % or more (cell 6; direction not known)"),
+        (None, {"cell": None, "step": 0.02}, "± not known (cell)"),
+        (0.0, {}, "± 0 %"),
+    ],
+)
+def test_the_largest_part_of_an_error_comes_first(
+    relative: float | None, parts: dict[str, float | None], told: str
+) -> None:
+    assert ending.within(Verdict("", True, "", relative, parts, None, "")) == told
 
 
 def test_what_is_not_known_between_patches_is_left_open() -> None:
@@ -60,48 +91,30 @@ def test_what_is_not_known_between_patches_is_left_open() -> None:
     roughness = result.summary["inner_scar"]["disc"]
     assert roughness["sq_um"] > 0.0
     assert roughness["rq_along_um"] is None
-    assert "along sliding Rq – µm" in summary_text(summarise(result))
 
 
-def test_roughness_that_is_the_length_of_a_step_is_not_printed() -> None:
+def test_roughness_that_is_the_length_of_a_step_is_called_so() -> None:
     """A ball that wears as dust is averaged along each step; one that wears in pieces is not."""
     changes = {"grid__cell": "10 um", "output__snapshots": ["3 mm"], "contact__law": "half-space"}
-    result, rows = rows_of(small("representative", **changes))
+    result = warpwear.run(small("representative", **changes))
     ball, disc = (result.summary["inner_scar"][body] for body in ("counter", "disc"))
-    assert "Rq" not in rows["counter, inner scar"[:16]]
     assert ball["rq_along_um"] is not None
     assert ball["rq_along_of"].startswith("the length of a step")
-    assert "along sliding Rq" in rows["disc, inner scar"[:16]]
     assert "rq_along_of" not in disc
     pieces = {"wear__particle": "40 um", "wear__particle_thickness": "0.6 um"}
-    result, rows = rows_of(small("representative", **changes, **pieces))
-    assert "along sliding Rq" in rows["counter, inner scar"[:16]]
+    result = warpwear.run(small("representative", **changes, **pieces))
     assert "rq_along_of" not in result.summary["inner_scar"]["counter"]
-
-
-@pytest.mark.parametrize(("scheme", "times"), [("explicit", 1.1), ("implicit", 10.0)])
-def test_the_scheme_of_steps_is_told_with_the_area_that_it_gives(scheme: str, times: float) -> None:
-    """A rough contact that yields by wear alone keeps load over hardness, or grows twentyfold."""
-    changes = {"grid.cell": "10 um", "stepping.scheme": scheme, "stepping.force": True}
-    result, rows = rows_of(Study.load("v3-fine").replace(STILL | changes))
-    assert rows["steps"].startswith(f"{scheme}: ")
-    assert "0.0136 mm²" in rows["steps"]
-    area = result.summary["load_over_hardness_mm2"]
-    assert area == pytest.approx(8.0 / 590.0)
-    assert (result.summary["area_mm2"]["contact"] > times * area) == (scheme == "implicit")
-    springs = Study.load("v3-fine").replace(STILL | {"contact.stiffness": "1e6 N/mm^3"})
-    assert "steps" not in rows_of(springs)[1]
 
 
 def test_pressures_above_the_hardness_are_told() -> None:
     """The preset v3 balances its load to 0.5 N, in cells whose number is whole."""
     short = {"sliding.distance": "30 mm", "output.snapshots": []}
-    result, rows = rows_of(Study.load("v3").replace(short))
+    result = warpwear.run(Study.load("v3").replace(short))
     most = result.history["pressure_max"].max()
     assert most > 600.0
-    assert rows["above hardness"] == f"up to {most:.4g} MPa of 590: the load is balanced to 0.5 N"
     assert result.summary["pressure_above_hardness_percent"] == pytest.approx(100.0 * (most / 590.0 - 1.0))
-    assert "above hardness" not in rows_of(Study.load("v3-fine").replace(STILL))[1]
+    capped = warpwear.run(Study.load("v3-fine").replace(STILL)).summary
+    assert "pressure_above_hardness_percent" not in capped
 
 
 def test_a_table_of_patches_is_no_column() -> None:
@@ -130,8 +143,19 @@ def test_asperities_that_yield_elastically_are_told_of(known: bool) -> None:
         synthetic = {kind = "self-affine", ra = "0.2 um"}
     """
     study = Study.stored(text).replace(elastic)
-    told = [s for s in warpwear.run(study).summary["warnings"] if "yield elastically" in s]
+    told = [s for s in warpwear.run(study).summary["warnings"] if "H/(E*·rms slope)" in s]
     assert len(told) == 1
     assert ("for two bodies of steel (young or poisson of one is not given)" in told[0]) != known
     soft = warpwear.run(study.replace({"disc.hardness": "0.2 GPa"})).summary["warnings"]
-    assert not any("yield elastically" in s for s in soft)
+    assert not any("H/(E*·rms slope)" in s for s in soft)
+
+
+def test_a_run_and_its_draft_say_alike_how_asperities_yield() -> None:
+    """By one function: H/(E*·rms slope) of a soft, a hard and a smooth disc."""
+    for hardness, kind in (("0.1 GPa", "plastic"), ("12 GPa", "partly plastic"), ("90 GPa", "elastic")):
+        study = small("representative", grid__cell="10 um", contact__hardness=hardness)
+        told = warpwear.run(study).summary["asperities"]
+        assert told["kind"] == kind
+        assert f"; asperities {kind}, H/(E*·rms slope) = " in outlook(study)
+    assert asperities(500.0, 100e3, 0.01) == (0.5, "partly plastic")
+    assert asperities(500.0, 100e3, 0.0)[1] == "elastic"

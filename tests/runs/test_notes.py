@@ -35,28 +35,23 @@ def study(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_terminal_gets_the_result_the_verdict_and_three_notes(
-    study: Path, tmp_path: Path, quick_pictures: Any
-) -> None:
-    """In this order; the page and the record have every note."""
+def test_a_terminal_ends_in_ten_lines(study: Path, tmp_path: Path, quick_pictures: Any) -> None:
+    """With what weighs most against the result; the page, the record and the log have every note."""
     out = tmp_path / "run"
     with quick_pictures(blank=True):
         shown = CliRunner().invoke(commands, ["run", str(study), "--out", str(out)])
     assert shown.exit_code == 0
-    first, second, *_ = shown.stdout.splitlines()
+    lines = shown.stdout.splitlines()
+    assert len(lines) <= 10
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    assert first.startswith(f"{summary['name']}: 3 mm slid")
-    assert second.split(maxsplit=1) == ["verdict", summary["verdict"]["text"]]
-    assert second.split(maxsplit=1)[1].startswith("not to be trusted: 1 warning; area ")
+    assert lines[0].startswith(f"{summary['name']}: 3 mm slid, ")
+    rows = {line[2:18].strip(): line[18:].strip() for line in lines[1:]}
     notes = summary["warnings"]
-    told = [line for line in shown.stderr.splitlines() if line.startswith(("note: ", "warning: "))]
-    assert len(told) == 3
-    assert "cells are in contact, so its area, pressure and friction mean nothing" in told[0]
-    assert not any(" not apply " in line for line in told)
-    assert len(notes) > 3
-    more = f"{len(notes) - 3} more note{'s' * (len(notes) > 4)}: "
-    assert shown.stderr.splitlines()[-1] == f"{more}{out}/report.html, or --notes"
-    assert shown.output.index(first) < shown.output.index(told[0])
+    heavy = sum(" not apply " not in text and "no step ends at" not in text for text in notes)
+    assert rows["trust"] == f"not to be trusted; {heavy} warnings, of which the heaviest"
+    assert "cells are in contact, so its area, pressure and friction mean nothing" in rows["warning"]
+    assert rows["page"].startswith(f"{out}/report.html (")
+    assert not any(line.startswith(("note: ", "warning: ")) for line in shown.stderr.splitlines())
     page = html.unescape((out / "report.html").read_text(encoding="utf-8"))
     places = [page.index(note) for note in notes]
     verdict = summary["verdict"]["text"]
@@ -65,13 +60,29 @@ def test_a_terminal_gets_the_result_the_verdict_and_three_notes(
     assert all(note in log for note in notes)
 
 
-def test_all_notes_on_request(study: Path, tmp_path: Path) -> None:
+def test_all_numbers_and_notes_on_request(study: Path, tmp_path: Path) -> None:
+    """They come before the ten lines, so that a terminal ends alike."""
     out = tmp_path / "run"
-    shown = CliRunner().invoke(commands, ["run", str(study), "--out", str(out), "--notes", "--no-plots"])
+    arguments = ["run", str(study), "--out", str(out), "--no-plots"]
+    shown = CliRunner().invoke(commands, [*arguments, "--details"])
     notes = json.loads((out / "summary.json").read_text(encoding="utf-8"))["warnings"]
     told = [line.split(": ", 1)[1] for line in shown.stderr.splitlines() if ": " in line]
     assert sorted(notes) == sorted(line for line in told if line in notes)
     assert "more note" not in shown.stderr
+    assert "  area_mm2: contact " in shown.stdout
+    last = shown.stdout.splitlines()[-10:]
+    again = CliRunner().invoke(commands, [*arguments, "--resume"]).stdout.splitlines()
+    assert again[1:-1] == last[-len(again) + 1 : -1]
+    assert again[-1].endswith("summary.json (finished before: nothing was left to do)")
+
+
+def test_the_first_contacts_say_how_long_a_run_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    short = ["--set", "grid.cell=20 um", "--set", "sliding.cycles=4", "--dry-run"]
+    shown = CliRunner().invoke(commands, ["run", "first", *short])
+    assert shown.exit_code == 0, shown.exception
+    assert re.match(r"first: \d+( to \d+)? contacts, (about|[\d.]+ ms|[\d.]+ s to|a moment)", shown.stdout)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("kind", ["note", "warning"])
@@ -93,7 +104,7 @@ def test_a_long_run_tells_its_warnings_early(
         progress.note("This key does not apply.")
         for number in range(3):
             progress.note(f"Warning {number}.", kind="warning")
-        progress.start(10)
+        progress.start(10, (lambda: 1, lambda: (9.0, 9.0)))
         progress.step(row)
         early = capsys.readouterr().err.splitlines()
         assert early[:2] == ["warning: Warning 0.", "warning: Warning 1."]

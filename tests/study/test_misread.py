@@ -12,7 +12,7 @@ from fuzzing import watched
 
 import warpwear
 from warpwear import InputError, Study, StudyWarning
-from warpwear.results.summary import summarise, summary_text
+from warpwear.clock import lasting
 from warpwear.runs import console
 from warpwear.study.surface import surface_in
 
@@ -170,23 +170,23 @@ def test_a_coefficient_that_is_given_is_called_an_input() -> None:
         assert summary["cof_input"] == when
         area = result.history["area_contact"][-1 if when == "end" else 0]
         assert summary["shear_strength_MPa"] == pytest.approx(0.55 * 8.0 / area)
-        text = summary_text(summarise(result))
-        assert f"at {'the end' if when == 'end' else 'first'} (an input) 0.55" in text
-        assert text.count("(an input)") == 1
-        assert f"shear strength   {summary['shear_strength_MPa']:.3g} MPa, fitted to 0.55: give it as" in text
-        assert ("An input: its shear strength" in result._repr_html_()) == (when == "end")
+        text = str(result)
+        assert f"; {'the end' if when == 'end' else 'the start'} is your input; its shear strength, " in text
+        assert text.count("your input;") == 1
+        assert ("An input" in result._repr_html_()) == (when == "end")
         title = result.plot.cof().axes[0].get_title()
         assert "calibrated to 0.55" in title
         ends[when] = summary["shear_strength_MPa"], text
     limit = 1520.0 / (3.0 * math.sqrt(3.0))  # AISI 304, the softer of the two
     assert ends["end"][0] < limit < ends["initial"][0]
-    assert "beyond what the softer body bears, H/(3√3) = 293 MPa" in ends["initial"][1]
+    assert "MPa, is more than the softer body bears" in ends["initial"][1]
     assert "softer body bears" not in ends["end"][1]
+    assert "predicts other loads" in ends["end"][1]
     given = warpwear.run(study)
     assert given.summary["cof_input"] is None
     assert given.summary["shear_strength_MPa"] == 3.83
-    assert "3.83 MPa, as given" in summary_text(summarise(given))
-    assert "an input" not in summary_text(summarise(given))
+    assert "follows the area, by a shear strength of 3.83 MPa that is assumed" in str(given)
+    assert "your input;" not in str(given)
     assert "calibrated" not in given.plot.cof().axes[0].get_title()
 
 
@@ -218,15 +218,73 @@ def test_the_gap_is_gone_and_the_roughness_is_not() -> None:
         assert not re.search(r"roughness is (worn (away|off)|gone)", text, re.IGNORECASE), page
 
 
-def test_a_run_of_a_moment_says_nothing_between(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
-    """Lines come every tenth of the steps, but none within two seconds of another."""
-    clock = [0.0]
-    monkeypatch.setattr(console.time, "perf_counter", lambda: clock[0])
-    row = {"distance": 1.0, "area_contact": 0.1}
-    for seconds, lines in ((0.2, 0), (5.0, 2), (100.0, 9)):
-        progress = console.Progress("v3")
-        progress.start(100)
+def contacts_at(progress: console.Progress, clock: list[float], counts: list[int]) -> None:
+    """Start a run of 100 steps, each a contact, whose time the clock tells."""
+    progress.start(100, (lambda: counts[0], lambda: (100.0 - counts[0], 100.0 - counts[0])))
+
+
+def test_a_run_of_a_moment_says_nothing_between(capsys: pytest.CaptureFixture[str]) -> None:
+    """Lines come every tenth of the steps, but none within two seconds of another, and none at the end."""
+    clock, row = [0.0], {"distance": 1.0, "area_contact": 0.1}
+    for seconds, lines in ((0.2, 0), (5.0, 2), (100.0, 10)):
+        counts = [0]
+        progress = console.Progress("v3", now=lambda: clock[0])
+        contacts_at(progress, clock, counts)
         for _ in range(100):
             clock[0] += seconds / 100.0
+            counts[0] += 1
             progress.step(row)
         assert len(capsys.readouterr().err.splitlines()) == lines
+
+
+def test_the_time_left_leaves_out_compiling_and_what_the_first_contact_sets_up(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """By a clock that is told: 50 s of compiling, 7 s for the first contact, 1 s for each of the others."""
+    clock, counts, row = [0.0], [0], {"distance": 1.0, "area_contact": 0.1}
+    progress = console.Progress("slow", now=lambda: clock[0])
+    contacts_at(progress, clock, counts)
+    progress.phase("steps")
+    clock[0] += 7.0
+    for number in range(1, 41):
+        counts[0] = number
+        if number == 5:
+            progress.phase("compile")
+            clock[0] += 50.0
+            progress.phase("steps")
+        clock[0] += number > 1
+        progress.step(row)
+        left = "" if number <= console.FIRST else f"about {lasting(100 - number)}"
+        assert progress.time_left() == left
+    told = capsys.readouterr().err.splitlines()
+    assert not any("left" in line for line in told[:2])
+    assert sum("left" in line for line in told) >= 2
+
+
+def test_steps_that_come_together_tell_no_pace_before_the_last() -> None:
+    """A block of 50 steps is told row by row when it was computed whole: its first row took no 50 s."""
+    clock, counts, row = [0.0], [0], {"distance": 1.0, "area_contact": 0.1}
+    progress = console.Progress("blocks", now=lambda: clock[0])
+    contacts_at(progress, clock, counts)
+    for _ in range(2):
+        clock[0] += 50.0
+        for number in range(50):
+            counts[0] += 1
+            progress.step(row, in_flight=49 - number)
+            assert progress.time_left() == ""
+        counts[0] -= 0
+    counts[0] = 60
+    assert progress.time_left() == "about 40 s"
+
+
+@pytest.mark.parametrize(("most", "told"), [(360.0, "about 3 min"), (1800.0, "1.5 min to 30 min")])
+def test_a_time_within_more_than_a_factor_of_two_is_a_range(most: float, told: str) -> None:
+    """Jumps over cycles may grow or stay: what is about right is said alone, else both ends."""
+    clock, counts = [0.0], [0]
+    progress = console.Progress("jumps", now=lambda: clock[0])
+    progress.start(2000, (lambda: counts[0], lambda: (90.0, most)))
+    for _ in range(40):
+        clock[0] += 1.0
+        counts[0] += 1
+        progress.step({"distance": 1.0, "area_contact": 0.1})
+    assert progress.time_left() == told

@@ -14,6 +14,7 @@ from warpwear.batches.cluster import connected
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import task_of
 from warpwear.batches.run_one import RunRow, RunTask, is_there, run_one
+from warpwear.clock import lasting
 from warpwear.engine.device import find_device, gpu_count, usable_cores
 from warpwear.engine.workers import WorkerDiedError, local_workers
 from warpwear.errors import InputError, explained
@@ -46,8 +47,8 @@ class Count:
         self._done += 1
         self._made += row.seconds > 0.0 and not row.was_there  # others took no time
         gone, todo = time.monotonic() - self._began, self._runs - self._done
-        left = f", about {_duration(gone / self._made * todo)} left" if self._made else ""
-        return f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone{left}"
+        left = f", about {lasting(gone / self._made * todo)} left" if self._made else ""
+        return f"{self._done} of {self._runs} runs, the last {row.status}; {lasting(gone)} gone{left}"
 
 
 def make_all(plan: Plan, folder: Path) -> list[RunRow]:
@@ -105,8 +106,8 @@ def make_runs(
                     late.add(future)
                     point = plan.points[waiting[future][0]]
                     on_warning(
-                        f"run {point.number} has taken {_duration(took)}, the longest of the others "
-                        f"{_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
+                        f"run {point.number} has taken {lasting(took)}, the longest of the others "
+                        f"{lasting(longest)}: its process may hang ({folder / RUNS / point.run})"
                     )
             for future in done:
                 row = _row(future)
@@ -158,8 +159,8 @@ def estimate(
     there = len(runs) - len(missing)
     to_do, already = len(plan.points) - there, f", {there} of them there already" if there else ""
     return (
-        f"{len(plan.points)} runs{already}: about {_duration(to_do * seconds / max(1, workers))} on "
-        f"{counted(workers, 'worker')} ({_duration(seconds)} a run) and {to_do * size / 2**20:.3g} MiB"
+        f"{len(plan.points)} runs{already}: about {lasting(to_do * seconds / max(1, workers))} on "
+        f"{counted(workers, 'worker')} ({lasting(seconds)} a run) and {to_do * size / 2**20:.3g} MiB"
     )
 
 
@@ -264,10 +265,3 @@ def local_executor(
         find_device(plan.device)  # before any worker asks for it in vain
     with local_workers(number, cores=cores, gpus=visible) as pool:
         yield pool, max(1, cores // number), number
-
-
-def _duration(seconds: float) -> str:
-    for unit, length in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= length:
-            return f"{seconds / length:.3g} {unit}"
-    return f"{seconds:.3g} s"

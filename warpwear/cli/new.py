@@ -32,5 +32,6 @@ def new(file: Path, like: str, surface: Path | None, changes: tuple[str, ...], o
     --surface the cells are those of the measurement, as far as the contact needs them.
     """
     values = parsed_changes(changes)
-    drafts.new_study(file, like=like, surface=surface, changes=values, overwrite=overwrite)
-    click.echo(f"{file} holds the study; put in your numbers and: warpwear run {shlex.quote(str(file))}")
+    study = drafts.new_study(file, like=like, surface=surface, changes=values, overwrite=overwrite)
+    click.echo(f"{file}: {drafts.outlook(study)}")
+    click.echo(f"put in your numbers, then: warpwear run {shlex.quote(str(file))} --dry-run, and without it")

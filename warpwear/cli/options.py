@@ -24,6 +24,7 @@ def together(*options: Option) -> Option:
 
 
 FOLDER = click.argument("folder", metavar="DIR", type=PATH)
+DETAILS = click.option("--details", is_flag=True, help="Print all lines, not the ten that say most.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")
 FORMAT = click.option("--format", "file_format", default="png", show_default=True, help="png, pdf or svg.")

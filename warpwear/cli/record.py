@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import FORMAT, PATH
-from warpwear.cli.places import records, written
+from warpwear.cli.options import DETAILS, FORMAT, PATH
+from warpwear.cli.places import records, reports, written
 
 
 @click.command()
@@ -20,6 +20,7 @@ from warpwear.cli.places import records, written
 @click.option("--out", type=PATH, help="Folder for page, table and figures. [default: FILE's name + -record]")
 @FORMAT
 @click.option("--overwrite", is_flag=True, help="Replace the record that the folder holds.")
+@DETAILS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a folder only with --out.")
 def record(files: tuple[Path, ...], **options: Any) -> None:
     """Say what is in the record of a tribometer, as its machine wrote it, and draw it.
@@ -38,6 +39,7 @@ def describe(files: Sequence[Path], **choices: Any) -> str:
     choices: options of the command; the folder is by default named after the file, and with as_json there is
     none. Raises InputError.
     """
+    details = choices.pop("details", False)
     overwrite, as_json = choices.pop("overwrite", False), choices.pop("as_json", False)
     how = {"file_format": choices.pop("file_format", "png"), "overwrite": overwrite}
     folder, first, end = choices.pop("out", None), files[0].resolve(), ""
@@ -52,4 +54,4 @@ def describe(files: Sequence[Path], **choices: Any) -> str:
     if folder is not None:
         report.write(folder, **how)
         end = f"written to {folder}/: {records.PAGE}, {records.TABLE}, {records.MARK}, figures"
-    return written.to_json(report.numbers) if as_json else "\n".join(filter(None, [report.text, end]))
+    return written.to_json(report.numbers) if as_json else reports.closed(report.text, end, details=details)

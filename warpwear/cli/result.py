@@ -49,7 +49,7 @@ def report(folder: Path) -> None:
 @click.option("--fps", default=5.0, show_default=True, help="Frames a second.")
 @click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
 def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None:
-    """Film the run in DIR.
+    """Make a film of the run in DIR.
 
     The film shows the wearing disc, the pressure and the coefficient of friction. A frame is a snapshot,
     so the run needs two at least (key output.snapshots). mp4 needs ffmpeg; where it is

@@ -1,15 +1,17 @@
 """The command `warpwear run`: a study in, a run folder out."""
 
+import shlex
 import signal
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
 from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import results, run_checkpoint, runner
+from warpwear.cli.places import results, run_checkpoint, runner, summaries, written
 from warpwear.cli.study import CHANGES, STUDY, load_study
 from warpwear.version import __version__
 
@@ -28,7 +30,8 @@ from warpwear.version import __version__
     help="Figures to draw: what goes into a paper, or all; `warpwear plot` draws them later.",
 )
 @click.option("--no-plots", is_flag=True, help="Draw no figures, as --plots none.")
-@click.option("--notes", is_flag=True, help="Tell all notes here, not the three heaviest alone.")
+@click.option("--details", is_flag=True, help="Print all numbers and notes before the ten lines.")
+@click.option("--dry-run", is_flag=True, help="Say from the first contacts how long it takes, and stop.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
 @click.pass_obj
@@ -39,7 +42,8 @@ def run(
     out: Path | None,
     plots: str,
     no_plots: bool,
-    notes: bool,
+    details: bool,
+    dry_run: bool,
     **options: Any,
 ) -> None:
     """Run STUDY and write its run folder.
@@ -56,7 +60,8 @@ def run(
     ro-crate-metadata.json  what stands in these files and in which unit, for other programs
     manifest.json  which files the run wrote; no other is ever replaced
 
-    A checkpoint for --resume is written every 2 minutes (key run.checkpoint) and on Ctrl-C.
+    Ten lines at the end say what came out, and how far to trust it. A checkpoint for --resume is written
+    every 2 minutes (key run.checkpoint) and on Ctrl-C.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a batch system's way of pressing Ctrl-C
     if sys.stderr.isatty():  # a sign of life: what comes next is imported for a second
@@ -65,29 +70,34 @@ def run(
     # A run folder that is to be resumed is itself where it goes on.
     own = Path(study) if options["resume"] and Path(study).is_dir() else Path(loaded.study.name)
     folder = own if out is None else out
+    run_options = runner.RunOptions(
+        out=None if dry_run else folder,
+        plots="none" if no_plots or dry_run else plots,
+        import_seconds=0.0 if started is None else time.perf_counter() - started,
+        **options,
+    )
+    if dry_run:
+        click.echo(runner.foresee(loaded, run_options))
+        return
     try:
-        with runner.Progress(loaded.study.name, all_notes=notes) as progress:
-            run_options = runner.RunOptions(
-                out=folder,
-                plots="none" if no_plots else plots,
-                progress=progress,
-                import_seconds=0.0 if started is None else time.perf_counter() - started,
-                **options,
-            )
-            with runner.run_study(loaded, run_options) as result:
-                if not result.seconds:
-                    click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
-                    return
-                click.echo(result)
-            page = "report.html" if (folder / "report.html").exists() else "summary.json"
-            progress.elsewhere = f"{folder / page}, or --notes"
+        progress = runner.Progress(loaded.study.name, most_notes=0)
+        with progress, runner.run_study(loaded, replace(run_options, progress=progress)) as result:
+            if details:
+                click.echo(summaries.summary_text(summaries.summarise(result)))
+                progress.tell_notes()
+            click.echo(result)
     except KeyboardInterrupt:
         if (folder / "result.h5").is_file():
             with results.Result.open(folder) as result:
-                how = "finished, without all its figures" if result.finished else "unfinished"
-                click.echo(f"{folder}/ holds the run as far as it came: {how}", err=True)
+                click.echo(result, err=True)
         if run_checkpoint.holds_checkpoint(folder):
-            click.echo("the same command with --resume goes on from here", err=True)
+            _close("go on", f"warpwear run {shlex.quote(str(folder))} --resume", err=True)
         raise
+    page = next(name for name in ("report.html", "summary.json") if (folder / name).exists())
     took = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in result.seconds.items() if seconds >= 0.05)
-    click.echo(f"written to {folder}/" + (f" ({took})" if took else ""))
+    _close("page", f"{folder / page} ({took or 'finished before: nothing was left to do'})")
+
+
+def _close(label: str, text: str, *, err: bool = False) -> None:
+    """Print the last of the ten lines."""
+    click.echo("\n".join(written.lines([written.Row(label, "", text)])), err=err)

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import PATH, Option, together
+from warpwear.cli.options import DETAILS, PATH, Option, together
 from warpwear.cli.places import measured, options, reports, written
 from warpwear.errors import InputError
 
@@ -43,6 +43,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 @click.option("--line", help="A line of a map as a profile: axis along it and place, e.g. 'y, 0.5 mm'.")
 @click.option("--lambda-c", help="Cut-off λc of profiles. [default: 2.5 mm; of a profile by ISO 21920-3]")
 @click.option("--lambda-s", help="Cut-off λs of profiles. [default: 8 um; of a profile by ISO 21920-3]")
+@DETAILS
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
 @click.option("--figure", type=PATH, help="[default: FILE's name + -surface.png, here]")
 @click.option("--no-figure", is_flag=True, help="Draw no figure.")
@@ -93,7 +94,7 @@ def describe(file: Path | None, preparation: Mapping[str, Any], **choices: Any) 
         notice = f"written to {figure}"
     if o["as_json"]:
         return measured.with_options(written.to_json(report.numbers))
-    return "\n".join(filter(None, [report.text, notice]))
+    return reports.closed(report.text, notice, details=o["--details"])
 
 
 def _report(file: Path | None, kind: str | None, how: Mapping[str, Any], o: Any) -> Any:

@@ -14,12 +14,15 @@ import tomlkit
 from tomlkit.items import Table
 
 from warpwear.errors import InputError, explained, named_in_python
+from warpwear.laws.elastic import asperities
+from warpwear.runs.plan import contacts_of
 from warpwear.study.loading import change
 from warpwear.study.rules_track import worn_widths
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_of
 from warpwear.study.units import parse
 from warpwear.surfaces.measured import Measured
+from warpwear.surfaces.roughness import roughness
 
 #: Extent of the domain over the width of the contact that smooth bodies are expected to have.
 MARGIN = 1.3
@@ -90,6 +93,18 @@ def new_study(
     with explained(f"{file} cannot be written"):
         file.write_text(text, encoding="utf-8")
     return Study.load(file)
+
+
+def outlook(study: Study) -> str:
+    """Say how many contacts a run of a study computes, and how the asperities of its disc yield."""
+    number, grid = contacts_of(study), study.cells
+    text = f"{'at most ' if study.jumps else ''}{number} contact{'s' * (number != 1)} to compute"
+    heights = surface_of(study.disc).heights(grid.x, grid.y) if study.is_rough else np.zeros((2, 2))
+    slope = roughness(heights, pixel=(grid.cell, grid.cell))["rms_slope"]
+    if not slope or math.isinf(study.hardness):
+        return text
+    ratio, kind = asperities(study.hardness, study.pair.effective_modulus, slope)
+    return f"{text}; asperities {kind}, H/(E*·rms slope) = {ratio:.2g}"
 
 
 def draft(

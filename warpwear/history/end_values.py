@@ -66,6 +66,7 @@ class Summary:
     volume_counter: Annotated[float, "volume_mm3.counter"]
     volume_disc: Annotated[float, "volume_mm3.disc"]
     cof: Annotated[float | None, "cof.end"]
+    cof_first: Annotated[float | None, "cof.first"]
     cof_input: Annotated[str | None, "cof_input"]
     shear_strength: Annotated[float | None, "shear_strength_MPa"]
     exponent_m: Annotated[float | None, "cof_shape.exponent_m"]

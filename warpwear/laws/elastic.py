@@ -17,6 +17,11 @@ special = lazy.module("scipy.special")
 #: constant cannot match all three.
 MATCHES = {"area": 16.0 / (3.0 * math.pi), "pressure": 3.0 / math.pi, "approach": 4.0 / (3.0 * math.pi)}
 
+#: H/(E*·rms slope) up to which nearly all asperities flow (load over hardness is low by some 5 %), and from
+#: which they stay elastic: of their pressures, mean E*·slope/2, some 4 % would be above H.
+FLOW, STAY_ELASTIC = 0.2, 1.0
+#: E* of two bodies of steel [MPa], of 210 GPa and Poisson's ratio 0.3, to judge by where it is not known.
+OF_STEEL = 210.0e3 / (2.0 * (1.0 - 0.3**2))
 #: Least fatigue limit in torsion over that in bending which Crossland's criterion is made for.
 LEAST_TORSION = 1.0 / math.sqrt(3.0)
 
@@ -27,6 +32,14 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -
     first, second: Young's modulus [MPa] and Poisson's ratio of each body.
     """
     return 1.0 / sum((1.0 - poisson**2) / young for young, poisson in (first, second))
+
+
+def asperities(hardness: float, modulus: float | None, slope: float) -> tuple[float, str]:
+    """Return H/(E*·rms slope) of a rough surface, and how its asperities yield; without E* by steel's."""
+    ratio = hardness / ((modulus or OF_STEEL) * slope) if slope > 0.0 else math.inf
+    if ratio <= FLOW:
+        return ratio, "plastic"
+    return ratio, "elastic" if ratio >= STAY_ELASTIC else "partly plastic"
 
 
 @dataclass(frozen=True)

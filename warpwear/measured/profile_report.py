@@ -91,11 +91,12 @@ def groove_rows(groove: WornTrack) -> list[Row]:
     low, high = groove.window
     net, error = float(groove.net[0]), groove.net_error
     middle = 0.5 * groove.y.size * float(groove.y[1] - groove.y[0])
+    window = [low + middle, high + middle]
     doubt = "the section is hardly told from the surface's own waviness"
     return [
         Row("groove", "width_mm", groove.width, digits=3, note="wide at the level of the surface beside it"),
         Row("depth", "depth_um", 1e3 * groove.depth),
-        Row("summed", "window_mm", [low + middle, high + middle], note="from the profile's beginning"),
+        Row("summed", "window_mm", window, sentence=f"from {window[0]:.4g} to {window[1]:.4g} mm"),
         Row("below", "section_below_um2", 1e6 * below, digits=5),
         Row("above", "section_above_um2", 1e6 * above, digits=3),
         Row("section", "section_um2", 1e6 * net, 5, ERROR, 1e6 * error),

@@ -12,10 +12,16 @@ from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
 from warpwear.figures.style import write_figure
 from warpwear.results.frames import package
-from warpwear.results.report import Row, lines, record, without_nan
+from warpwear.results.report import VALUES, Row, lines, record, without_nan
 
 #: Endings of files that a figure can be written to.
 FORMATS = (".png", ".pdf", ".svg")
+#: Lines that a person reads at once, of which one says what was written; how labels begin of the others.
+MOST_LINES = 9
+SIDE_NUMBERS: tuple[str, ...] = ("filtered", "bearing", "Sal", "roll-off", "lay", "single sections")
+SIDE_NUMBERS += ("summed", "mean profile", "shifted", "turned", "correlation", "shared", "unworn part")
+SIDE_NUMBERS += ("points", "missing", "form", "rows", "within a", "independent", "level changes")
+SIDE_NUMBERS += ("overshoot", "note", "loop of", "Rp", "Rv", "Rsk", "Rku", "Rk", "Rmrk")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -110,12 +116,12 @@ class Report:
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class FileReport(Report):
-    """A file of measurements has a report.
+    """A file of measurements has a report, whose main lines `print` shows.
 
     Attributes
     ----------
     text : str
-        As the command prints it.
+        All lines, as the command prints them with --details.
     rows : sequence of Row
         Of which the numbers are made.
     draw : callable or None
@@ -136,7 +142,24 @@ class FileReport(Report):
         return super()._declared() if self.draw is None else self.draw()
 
     def __str__(self) -> str:
-        return in_python(self.text)
+        return in_python(brief(self.text))
+
+
+def brief(text: str) -> str:
+    """Leave the lines of a report that say most: the first of each label, and all warnings before others."""
+    head, *others = text.splitlines()
+    kept = [line for line in others if line[:VALUES].strip() and not line[2:].startswith(SIDE_NUMBERS)]
+    warnings = [line for line in kept if line.startswith("  warning")]
+    kept = [line for line in kept if line not in warnings][: MOST_LINES - 1 - len(warnings)]
+    return "\n".join([head, *kept, *warnings])
+
+
+def closed(text: str, ending: str, *, details: bool) -> str:
+    """Close a report with what was written, and without details say how many lines they are."""
+    shown = text if details else brief(text)
+    more = text.count("\n") - shown.count("\n")
+    left_out = f"{more} more line{'s' * (more > 1)} with --details" if more else ""
+    return "\n".join(filter(None, [shown, "; ".join(filter(None, [ending, left_out]))]))
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -16,7 +16,6 @@ from warpwear.page.limits import limits_of
 from warpwear.page.sections import sections_of
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
-from warpwear.results.report import record
 from warpwear.results.summary import summarise, summary_text
 
 #: What makes the page of its content and of pictures, see `warpwear.page.html`.
@@ -33,7 +32,7 @@ def content_of(result: ResultFile, plot: Plotter) -> dict[str, Any]:
 
 def top_of(result: ResultFile) -> dict[str, Any]:
     """Collect the texts of the page's top by name: the question, its answers, and why to trust them."""
-    study, s = result.study, Summary.of(record(summarise(result)))
+    study, s = result.study, Summary.of(summarise(result))
     assumptions, checks = words.assumptions_of(study, s), words.checks_of(study, s)
     return {
         "name": study.study.name,

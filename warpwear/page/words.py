@@ -1,7 +1,6 @@
 """What a run's page says in words and numbers: what was asked, the answer, and what it rests on."""
 
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,6 +11,7 @@ from warpwear.history.end_values import ENDS, Summary
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import CALLED
 from warpwear.page.effects import effect_of, numbers_of
+from warpwear.results.ending import friction_of
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.keys import declarations, value_of
@@ -118,19 +118,11 @@ def _worn(study: Study, s: Summary) -> Answer:
 def _cof(study: Study, s: Summary) -> Answer:
     """Answer with the coefficient of friction at the end, and say how far it is an input."""
     if s.cof is None:
-        return _answer(BY_NAME["cof"], "–", note="calibrated at the end, which the run did not reach")
-    cof, friction, strength = partial(_answer, ENDS["cof"], f"{s.cof:.3g}"), study.friction, s.shear_strength
-    if friction.fitted == "coulomb":
-        return cof(input_note="An input, constant")
-    note = f"the area that shears: {friction.area}"
-    tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
-    if friction.fitted == "end":
-        return cof(note=note, input_note=f"An input: {tau} is fitted so that it is met")
-    subject = f"{tau} is"
-    if film := friction.film:
-        subject = f"its shear strengths, {film.shear_strength:.3g} MPa of film and {strength:.3g} bare, are"
-    source = f"Not predicted: {subject} {source_of(study, s)}"
-    return cof(error="as good as the shear strength", note=note, input_note=source)
+        return _answer(BY_NAME["cof"], "–", note=friction_of(study, s))
+    fitted = study.friction.fitted in ("end", "coulomb")
+    note = "An input" if fitted else "Not predicted: as good as the shear strength"
+    error = "as good as that input" if fitted else s.verdict.area
+    return _answer(ENDS["cof"], f"{s.cof:.3g}", error=error, note=friction_of(study, s), input_note=note)
 
 
 def source_of(study: Study, s: Summary) -> str:

@@ -92,11 +92,6 @@ def record(rows: Iterable[Row]) -> dict[str, Any]:
     return content
 
 
-def entries(values: Mapping[str, Any]) -> list[Row]:
-    """Declare what JSON alone has."""
-    return [Row("", key, value) for key, value in values.items()]
-
-
 def lines(rows: Iterable[Row]) -> list[str]:
     """Write a report for people: lines of label and value; each text of a list has a line of its own."""
     text: list[str] = []

@@ -14,7 +14,7 @@ from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
 from warpwear.results.formats.metadata import write_metadata
 from warpwear.results.manifest import replacing
-from warpwear.results.report import record, to_json
+from warpwear.results.report import to_json
 from warpwear.results.summary import summarise
 
 
@@ -44,4 +44,4 @@ def write_tables(folder: Path, result: ResultFile) -> None:
 def write_summary(folder: Path, result: ResultFile) -> None:
     """Write summary.json into a folder, at once in place of an older one."""
     with replacing(folder / "summary.json") as new:
-        new.write_text(f"{to_json(record(summarise(result)))}\n", encoding="utf-8")
+        new.write_text(f"{to_json(summarise(result))}\n", encoding="utf-8")

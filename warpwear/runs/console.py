@@ -1,18 +1,20 @@
 """How a run speaks to a terminal and listens to it: progress on standard error, and signals to stop."""
 
+import math
 import signal
 import sys
 import threading
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from operator import itemgetter
 from types import FrameType
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 from tqdm import tqdm
 
+from warpwear.clock import lasting
 from warpwear.errors import StudyWarning
 from warpwear.history.distances import with_unit
 from warpwear.history.verdict import rank_of
@@ -20,75 +22,127 @@ from warpwear.history.verdict import rank_of
 #: Longest silence of what writes plain lines, and shortest and longest of a run [s].
 EVERY_SECONDS = 30.0
 PACE = 2.0, EVERY_SECONDS
-#: Notes that a run writes; all of them are on its page, in its summary and in its log.
-MOST_NOTES = 3
+#: Notes that a run writes; all of them are on its page, in its summary and in its log. Those told on the way.
+MOST_NOTES, EARLY_NOTES = 3, 2
+#: Contacts after which their pace tells the time left, and most over least of them that "about" is said of.
+FIRST, ABOUT = 20, 4.0
+#: Phases of a run that no other contact has again.
+ONCE = ("compile", "kernels")
+
+#: Return how many contacts were computed, and how many at least and at most are left.
+Contacts: TypeAlias = tuple[Callable[[], int], Callable[[], tuple[float, float]]]
 
 
 class Progress:
     """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere.
 
     name: of the study, with which lines begin. As a context it tells at its end what misleads, the heaviest
-    first; with all_notes all of it, else three sentences, and how many are left. pace: the shortest and the
-    longest time between plain lines [s].
+    first: so many sentences at most, and how many are left. pace: the shortest and the longest time between
+    plain lines [s]. now: tells the time [s].
     """
 
     def __init__(
-        self, name: str, *, quiet: bool = False, all_notes: bool = False, pace: tuple[float, float] = PACE
+        self,
+        name: str,
+        *,
+        quiet: bool = False,
+        most_notes: int = MOST_NOTES,
+        pace: tuple[float, float] = PACE,
+        now: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self._name = name
+        self._name, self._quiet, self._now = name, quiet, now
         self._shortest, self._longest = pace
-        self._quiet = quiet
         self._notes: list[tuple[int, str]] = []
-        self._left = sys.maxsize if all_notes else MOST_NOTES
-        #: Where all notes are.
-        self.elsewhere = "in the run's summary and log"
+        self._left, self._early = most_notes, EARLY_NOTES
         self._bar: tqdm | None = None
-        self._steps = self._done = self._before = 0
-        self._made = self._started = self._last_line = time.perf_counter()
-        self._next, self._compiles, self._by_cycles = 0.1, False, False
+        self._steps = self._done = 0
+        self._made = self._started = self._last_line = now()
+        self._next, self._phase, self._by_cycles = 0.1, "", False
+        self._told = set[str]()
+        self._contacts: Contacts = lambda: 0, lambda: (0.0, 0.0)
+        #: When compiling began last, and the time it took since the start [s].
+        self._since = self._once = 0.0
+        #: Contacts and time when the first was there, which sets out the others; what one of these takes [s].
+        self._begun: tuple[int, float] | None = None
+        self._pace: float | None = None
 
-    def start(self, steps: int, *, done: int = 0, by_cycles: bool = False) -> None:
+    def start(self, steps: int, contacts: Contacts, *, done: int = 0, by_cycles: bool = False) -> None:
         """Begin a run of `steps` steps, or go on where `done` of them are done.
 
+        contacts: return how many contacts were computed, and how many at least and at most are left.
         by_cycles: whether a step counts as often as the cycles that it stands for.
         """
-        self._steps, self._done, self._before, self._by_cycles = steps, done, done, by_cycles
-        self._next = done / steps + 0.1
-        self._started = self._last_line = time.perf_counter()
+        self._steps, self._done, self._by_cycles, self._contacts = steps, done, by_cycles, contacts
+        self._next, self._once, self._begun, self._pace = done / steps + 0.1, 0.0, None, None
+        self._started = self._last_line = self._now()
         if not self._quiet and sys.stderr.isatty():
-            self._bar = tqdm(total=steps, initial=done, desc=self._name, unit="step", leave=False)
+            form = "{desc}: {percentage:3.0f} %|{bar}| {n_fmt} of {total_fmt} steps, {elapsed}{postfix}"
+            self._bar = tqdm(total=steps, initial=done, desc=self._name, leave=False, bar_format=form)
 
-    def step(self, row: Mapping[str, float], *, count: int = 1) -> None:
-        """One step is done, or so many, the last of which has this row."""
+    def step(self, row: Mapping[str, float], *, count: int = 1, in_flight: int = 0) -> None:
+        """One step is done, or so many, the last of which has this row.
+
+        in_flight: those that were computed with it and are told next.
+        """
         if self._quiet:
             return
         steps = int(row["cycles"]) if self._by_cycles else count
         self._done += steps
         self._write_warnings()
+        if in_flight == 0 and self._measure():
+            self._next = 0.0  # it is told next
         if self._bar is not None:
             self._bar.update(steps)
             if self._done % 20 < steps:
                 self._bar.set_postfix_str(
-                    f"{with_unit(row['distance'], 4)}, {row['area_contact']:.4g} mm²", refresh=False
+                    f"{with_unit(row['distance'], 4)}{self._left_text()}", refresh=False
                 )
             return
-        silent = time.perf_counter() - self._last_line
-        if silent > (self._shortest if self._done >= self._next * self._steps else self._longest):
+        silent = self._now() - self._last_line
+        due = self._shortest if self._done >= self._next * self._steps else self._longest
+        if silent > due and self._done < self._steps:
             self._last_line += silent
-            elapsed = self._last_line - self._started
-            left = elapsed / (self._done - self._before) * (self._steps - self._done)
+            gone = lasting(self._last_line - self._started)
             self.say(
                 f"{self._name}: step {self._done} of {self._steps}, {with_unit(row['distance'], 4)} slid, "
-                f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"
+                f"{row['area_contact']:.4g} mm² in contact, {gone} gone{self._left_text()}"
             )
             self._next = self._done / self._steps + 0.1
 
+    def _measure(self) -> bool:
+        """Take the pace of all contacts but the first, without compiling; tell whether it is known now."""
+        made, now, first = self._contacts[0](), self._now() - self._once, self._pace is None
+        if self._begun is None:
+            self._begun = made, now
+        elif made - self._begun[0] >= FIRST:
+            self._pace = (now - self._begun[1]) / (made - self._begun[0])
+        return first and self._pace is not None
+
+    def time_left(self) -> str:
+        """Say how long the rest takes: 'about 40 s', or within what; nothing before that can be told."""
+        least, most = self._contacts[1]()
+        if self._pace is None or not most > 0.0:
+            return ""
+        if most <= ABOUT * least:
+            return f"about {lasting(self._pace * math.sqrt(least * most))}"
+        return f"{lasting(self._pace * least)} to {lasting(self._pace * most)}"
+
+    def _left_text(self) -> str:
+        return f", {left} left" if (left := self.time_left()) else ""
+
     def phase(self, name: str) -> None:
-        """Begin a phase of the run: what may take long is told, once."""
-        if name == "compile" and not self._compiles:
-            self._compiles = True
+        """Begin a phase of the run, or go on with it: what may take long is told, once."""
+        if name in ONCE and self._phase not in ONCE:
+            self._since = self._now()
+        elif name not in ONCE and self._phase in ONCE:
+            self._once += self._now() - self._since
+        self._phase = name
+        if name in self._told or (name == "draw" and self._now() - self._made <= self._shortest):
+            return
+        self._told.add(name)
+        if name == "compile":
             self.say(f"{self._name}: compiling kernels, which are kept for the next run")
-        if name == "draw" and time.perf_counter() - self._made > self._shortest:
+        if name == "draw":
             self.say(f"{self._name}: drawing")
 
     def say(self, line: str) -> None:
@@ -110,28 +164,47 @@ class Progress:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._write_notes(self._left)
-        if more := len(self._notes):
-            self.say(f"{more} more note{'s' * (more > 1)}: {self.elsewhere}")
+        more = len(self._notes) - self.tell_notes(self._left)
+        if self._left and more:
+            self.say(f"{more} more note{'s' * (more > 1)}: in the run's summary and log")
 
-    def _write_notes(self, most: int, ranks: int = 4) -> None:
-        """Write so many notes at most of the first ranks, the heaviest first; each is written once."""
+    def tell_notes(self, most: int = sys.maxsize, *, ranks: int = 4) -> int:
+        """Tell so many notes at most of the first ranks, the heaviest first, each once; return how many."""
         self._notes.sort(key=itemgetter(0))
-        count = min(max(most, 0), sum(rank < ranks for rank, _ in self._notes))
+        count = min(most, sum(rank < ranks for rank, _ in self._notes))
         for _, line in self._notes[:count]:
             self.say(line)
-        self._left -= count
         self._notes = self._notes[count:]
+        return count
 
     def _write_warnings(self) -> None:
-        """Tell warnings of a run that takes long, which one may want to stop; the last is for its end."""
-        if self._notes and time.perf_counter() - self._started > self._shortest:
-            self._write_notes(self._left - 1, ranks=2)
+        """Tell warnings of a run that takes long, which one may want to stop."""
+        if self._notes and self._early and self._now() - self._started > self._shortest:
+            self._early -= (told := self.tell_notes(self._early, ranks=2))
+            self._left = max(self._left - told, 0)
 
     def end(self) -> None:
         """End the run, one way or another."""
         if self._bar is not None:
             self._bar.close()
+
+
+class Enough(Exception):
+    """The first contacts of a run were made, which say how long the whole takes."""
+
+
+class Foresight(Progress):
+    """Stops a run when its first contacts say how long it takes, by raising Enough."""
+
+    def step(self, row: Mapping[str, float], *, count: int = 1, in_flight: int = 0) -> None:
+        """One step is done."""
+        if in_flight == 0 and self._measure():
+            raise Enough
+
+    def __str__(self) -> str:
+        made, (least, most) = self._contacts[0](), self._contacts[1]()
+        contacts = f"{made + most:.0f}" if most <= least else f"{made + least:.0f} to {made + most:.0f}"
+        return f"{self._name}: {contacts} contacts, {self.time_left() or 'a moment'}, without figures"
 
 
 def warn(sentence: str) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.laws.elastic import FLOW, asperities
 from warpwear.laws.track import is_whole
 from warpwear.results.track import doubt_of_directions
 from warpwear.study.study import Study
@@ -14,10 +15,6 @@ from warpwear.study.study import Study
 ABSURD_COEFFICIENT = 3.0
 #: A step on the half-space whose length changes the area by more, relatively, is told of.
 AREA_ERROR = 0.1
-#: H/(E*·rms slope) above which load over hardness is low by more than some 5 %.
-ELASTIC = 0.2
-#: E* of two bodies of steel [MPa], of 210 GPa and Poisson's ratio 0.3, to judge by where it is not known.
-OF_STEEL = 210.0e3 / (2.0 * (1.0 - 0.3**2))
 #: A contact of fewer cells is not resolved.
 FEW_CELLS = 20
 #: Cells of a row of a line contact that a contact needs as much.
@@ -32,15 +29,15 @@ def of_slope(study: Study, slope: float) -> Iterator[str]:
     local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
     if not local or study.hardness is None or study.contact_task.compliance > 0.0:
         return
-    ratio = study.hardness / ((modulus or OF_STEEL) * slope) if slope > 0.0 else math.inf
-    if ratio <= ELASTIC:
+    ratio, kind = asperities(study.hardness, modulus, slope)
+    if ratio <= FLOW:
         return
     sentence = f"H/(E*·rms slope) is {ratio:.2g}"
     if modulus is None:
         sentence = f"{sentence} for two bodies of steel (young or poisson of one is not given)"
     yield (
-        f"Asperities yield elastically before they flow: {sentence}, and above {ELASTIC:g} the local law "
-        'makes the contact too small until wear decides it. contact.law = "half-space" couples them.'
+        f"Asperities are {kind}: {sentence}, and above {FLOW:g} the local law makes the contact too small "
+        'until wear decides it. contact.law = "half-space" lets them yield.'
     )
 
 

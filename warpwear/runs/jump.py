@@ -21,7 +21,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.laws.track import GOLDEN, Leg, Track
 from warpwear.runs.order import RunOrder
-from warpwear.runs.plan import Planned, kept_after
+from warpwear.runs.plan import Planned, contacts_of, kept_after
 
 #: Part of the allowed error that a jump aims at, as the next ones differ from the last.
 SAFETY = 0.8
@@ -63,7 +63,7 @@ class CycleJumps:
         if lost := [name for name, law in laws.items() if not law.jumps]:
             why = f"does not go with {', '.join(lost)}, which acts in each step"
             raise InputError(f"stepping.jump = {study.stepping.jump!r} {why}.")
-        self._legs, self._total = study.legs, study.sliding.total
+        self._legs, self._total, self._every_cycle = study.legs, study.sliding.total, contacts_of(study)
         self._stops, self._profiles = study.snapshot_distances, study.pair.profiles or ()
         self._ends = [block.end for block in study.blocks]
         jump = study.stepping.jump
@@ -130,10 +130,27 @@ class CycleJumps:
         every["disc"] += [error / depth for error, depth in self._circles.values() if depth]
         return {
             "contacts": self.contacts,
-            "contacts_of_every_cycle": sum(int(leg.track.steps(leg.length)) for leg in self._legs),
+            "contacts_of_every_cycle": self._every_cycle,
             "cycles": sum(leg.length / leg.track.cycle for leg in self._legs),
             "depth_error": {body: max(errors) for body, errors in every.items()},
         }
+
+    def foreseen(self) -> tuple[float, float]:
+        """Foresee the contacts that are left, at least and at most: where jumps grow from now on, or stay."""
+        return self._left_where(2.0 if self._fixed is None else 1.0), self._left_where(1.0)
+
+    def _left_where(self, growth: float) -> float:
+        """Count the contacts that are left where each size of jumps is so many times the one before."""
+        cycle, size, cycles = self._cycle, float(self._size), 0
+        for leg in self._legs[self._number :]:
+            last = max(math.floor(leg.length / leg.track.cycle - 1.0 + 1.0e-9), 0)
+            stops = {stop for stop in self._alone if stop < last} if leg is self._leg else set()
+            for stop in sorted({*stops, last}):
+                while cycle < stop:  # two jumps, and the coarse state's one, which is twice as long
+                    cycle += 2 * max(min(int(size), (stop - cycle) // LANDING), 1)
+                    cycles, size = cycles + 3, size * growth ** (1.0 / YOUNG)
+            cycle = 0
+        return cycles * self._steps
 
     @property
     def _leg(self) -> Leg:

@@ -30,7 +30,7 @@ from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
 from warpwear.runs.order import RunOrder
-from warpwear.runs.plan import Planned
+from warpwear.runs.plan import Planned, contacts_of
 from warpwear.runs.probe import change_by_step
 from warpwear.runs.step import RunStep
 
@@ -130,7 +130,8 @@ class StepLoop:
         assert self._writer is not None
         self._started = time.perf_counter()
         done = int(self._rows.column("cycles").sum()) if self._jumps and self._rows else len(self._rows)
-        self._progress.start(self._count, done=done, by_cycles=self._jumps is not None)
+        contacts = self._computed, self._foreseen
+        self._progress.start(self._count, contacts, done=done, by_cycles=self._jumps is not None)
         try:
             with phase("steps"):
                 self._make_steps(callback)
@@ -169,7 +170,6 @@ class StepLoop:
 
     def steps(self) -> Iterator[RunStep]:
         """Yield every step of the study, with its fields; nothing is written."""
-        self._progress.start(self._count, by_cycles=self._jumps is not None)
         for row, wrong in self._steps(with_fields=True):
             yield self._shown(row)
             if wrong is not None:
@@ -192,9 +192,16 @@ class StepLoop:
     @cached_property
     def _count(self) -> int:
         """Return the number of steps of the whole run, those of cycles that are jumped over included."""
-        if self._jumps is None:
-            return len(self._order.plan)
-        return sum(int(leg.track.steps(leg.length)) for leg in self._order.study.legs)
+        return contacts_of(self._order.study) if self._jumps else len(self._order.plan)
+
+    def _computed(self) -> int:
+        """Return how many contacts were computed."""
+        return len(self._rows) if self._jumps is None else self._jumps.contacts
+
+    def _foreseen(self) -> tuple[float, float]:
+        """Return how many contacts are left, at least and at most."""
+        left = self._count - len(self._rows)
+        return (left, left) if self._jumps is None else self._jumps.foreseen()
 
     def _steps_of(
         self, left: Sequence[Planned], blocks: Sequence[Block], *, with_fields: bool
@@ -236,7 +243,7 @@ class StepLoop:
             self._rows.append(row)
             if self._jumps is not None:
                 self._jumps.count(row)
-            self._progress.step(row)
+            self._progress.step(row, in_flight=self._model.steps_in_flight)
             done += 1
             if done == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))

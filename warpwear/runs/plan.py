@@ -20,6 +20,13 @@ def plan_of(study: Study) -> list[Planned]:
     return kept_after(stops, increments(study.increments, total, meets), total)
 
 
+def contacts_of(study: Study) -> int:
+    """Count the contacts of a run that computes every cycle."""
+    if study.is_swept:
+        return sum(int(leg.track.steps(leg.length)) for leg in study.legs)
+    return len(plan_of(study))
+
+
 def kept_after(
     distances: Iterable[float], steps: Iterable[tuple[float, float]], total: float
 ) -> list[Planned]:

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
@@ -23,7 +23,7 @@ from warpwear.results.seal import HEADER, sealing
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
-from warpwear.runs.console import Progress
+from warpwear.runs.console import Enough, Foresight, Progress
 from warpwear.runs.loop import StepLoop
 from warpwear.runs.order import RunOrder, order_of
 from warpwear.runs.step import RunStep
@@ -210,6 +210,14 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
                 if options.whole:
                     write_summary(options.out, result)
     return result
+
+
+def foresee(study: Study, options: RunOptions) -> str:
+    """Say how long a run takes, from its first contacts, of which nothing is kept; raises what `run` does."""
+    progress = Foresight(study.study.name, most_notes=0)
+    with suppress(Enough):
+        run_study(study, replace(options, progress=progress))
+    return str(progress)
 
 
 def _compute(order: RunOrder, options: RunOptions, progress: Progress, painter: "Painter | None") -> Result:

@@ -132,16 +132,17 @@ def _steady_rows(steady: Steady) -> list[Row]:
     decimals = len(error.partition(".")[2]) if "e" not in error else 5
     where = f"{1e-3 * steady.start:.4g} to {1e-3 * steady.end:.4g} m"
     text = (
-        f"{steady.value:.{decimals}f} ± {error} (68 %; 95 %: ± {steady.error_95:.2g}), by a line from {where}"
+        f"{steady.value:.{decimals}f} ± {error} (95 %: ± {steady.error_95:.2g}), end of a line from {where}"
     )
+    drift = f"{steady.drift:+.2g} ± {steady.drift_95:.2g} (95 %) from the line's beginning to its end"
     of_drift = ("steady_drift_error_95", steady.drift_95)
     return [
         Row("steady value", "steady_cof", steady.value, error=steady.error, sentence=text),
         Row("", "steady_cof_error_95", steady.error_95),
-        Row("drift", "steady_drift", steady.drift, 2, "of the line, 95 %", of_drift),
+        Row("drift", "steady_drift", steady.drift, error=of_drift, sentence=drift),
         Row("", "steady_from_mm", steady.start),
         Row("", "steady_to_mm", steady.end),
-        Row("independent", "steady_independent", steady.independent, 3, f"of {steady.groups} means"),
+        Row("independent", "steady_independent", steady.independent, 3, f"means of {steady.groups}"),
         Row("", "last_level_percent", 100.0 * steady.share),
     ]
 
