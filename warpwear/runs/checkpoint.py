@@ -41,7 +41,7 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 14
+FORMAT = 15
 MAGIC = "warpwear checkpoint"
 #: Heights that differ by no more are of the same surface, made on another kind of processor [mm].
 SAME_HEIGHTS = 1.0e-12

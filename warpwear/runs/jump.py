@@ -3,8 +3,8 @@
 A jump of n cycles is one cycle whose increments are n times as long: at each of its places both bodies lose
 n K p dL, and laws of the distance are integrated over all that it stands for. A second state of the same
 model, the coarse one, goes along in jumps twice as long. The difference of both in worn depth, rms over the
-scar, is the error that is reported. The run's own error is no larger, as it goes with n − 1, and the coarse
-one's with 2n − 1. It is that of the whole run so far: what later cycles have mended counts no longer.
+scar, times a margin, is the error that is reported. The run's own error goes with n − 1, the coarse one's
+with 2n − 1. It is that of the whole run so far: what later cycles have mended counts no longer.
 """
 
 import json
@@ -25,17 +25,27 @@ from warpwear.runs.plan import Planned, contacts_of, kept_after
 
 #: Part of the allowed error that a jump aims at, as the next ones differ from the last.
 SAFETY = 0.8
-#: Most that the coarse state's area in contact and bare fraction may differ by, relative.
-OF_CONTACT = 0.02
+#: The error told is so many times the difference of both states: errors of single cells grow by less than
+#: the length of jumps, so that the two states differ by less than the run errs.
+MARGIN = 1.5
+#: Most that the coarse state's area in contact and bare fraction may differ by, relative: so many times the
+#: error allowed in the depths, and no less than this.
+OF_CONTACT, LEAST_OF_CONTACT = 4.0, 0.02
 #: While cycles are computed one by one, the coarse state is given up if its error is so many times the
 #: allowed one after so many of its jumps. Another begins when this part of the cycles done is done again.
 HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
-#: Jumps of one size that the coarse state makes before the size may grow.
-YOUNG = 2
+#: Contacts beyond those of every cycle that the coarse state may take in all, as a part of these.
+BEYOND = 0.1
+#: Most that a size grows by at once.
+FASTEST = 4.0
+#: A jump takes one in so many of the cycles done at most.
+EARLY = 3
+#: Part of the error so far that two jumps are taken to make at least, as what is mended may come again.
+OF_ALL = 0.125
 #: A jump takes one in so many of the cycles before a stop at most: jumps shorten there, down to one cycle.
 LANDING = 4
 #: Least exponent of the distance with which rms depths grow: a ball's have 3/4, those of its groove 5/6.
-GROWTH = 1.0 / 3.0
+GROWTH = 0.4
 #: Columns of the history that both states are compared by.
 COMPARED = ("area_contact", "bare_fraction")
 
@@ -49,11 +59,12 @@ class CycleJumps:
 
     STATE: ClassVar = {
         "model": object,
-        **dict.fromkeys(("stands_for", "contacts", "_number", "_cycle", "_step", "_size"), int),
+        **dict.fromkeys(("stands_for", "contacts", "_every", "_number", "_cycle", "_step", "_size"), int),
         **dict.fromkeys(("_behind", "_left", "_age", "_again"), int),
         **dict.fromkeys(("_means", "_coarse", "_errors", "_earlier", "_circles"), dict),
         "_numbers": str,
         "_jumped": bool,
+        "_ratio": float,
     }
 
     def __init__(self, order: RunOrder, model: Any, begin: Callable[[Planned], None]) -> None:
@@ -73,9 +84,12 @@ class CycleJumps:
         self._number = 0
         #: Cycles that the one being made stands for; contacts computed, the coarse state's included.
         self.stands_for, self.contacts = 1, 0
+        #: Contacts that every cycle would have taken so far.
+        self._every = 0
         self._cycle = self._step = self._left = self._age = self._again = 0
-        self._size, self._jumped = self._fixed or 1, False
-        #: The coarse state, and the cycle that it has come to; sums of `COMPARED` over the steps made since.
+        self._size, self._jumped, self._ratio = self._fixed or 1, False, 0.0
+        #: The coarse state, and the cycle that it has come to; sums of `COMPARED` over the steps
+        #: since, each so many times as it stands for.
         self._coarse: dict[str, FloatArray] = {}
         self._numbers, self._behind, self._means = "", 0, dict.fromkeys(COMPARED, 0.0)
         #: Differences of worn depths, by body [mm, root of the sum over cells].
@@ -92,11 +106,13 @@ class CycleJumps:
                 if self._number + 1 == len(self._legs):
                     return
                 self._number, self._cycle = self._number + 1, 0
-            # Both states are to divide steps alike: a change waits until the coarse one has followed.
-            self.model.divides = self._cycle == 0 or (self._step == 0 and self._left == 0)
-            if self._step == 0:
+            begins = self._step == 0
+            if begins:
                 self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
+            # Both states are to divide steps alike: a change waits until the coarse one has followed.
+            level = not self._coarse or self._behind == self._cycle
+            self.model.divides = self._cycle == 0 or (begins and level)
             self._set_out(self._cycle, self.stands_for)
             part = self._planned(self._cycle, self.stands_for)[self._step :]
             if not part:  # the last cycle was cut
@@ -119,7 +135,8 @@ class CycleJumps:
     def count(self, row: Mapping[str, float]) -> None:
         """Count a step that was made."""
         self._step, self.contacts = self._step + 1, self.contacts + 1
-        self._means, self.model.divides = _added(self._means, row), self._cycle == 0
+        self._every, self.model.divides = self._every + self.stands_for, self._cycle == 0
+        self._means = _added(self._means, row, self.stands_for)
         if self._step == self._steps:
             self._jumped = self._jumped or self.stands_for > 1
             self._cycle, self._step = self._cycle + self.stands_for, 0
@@ -137,7 +154,7 @@ class CycleJumps:
 
     def foreseen(self) -> tuple[float, float]:
         """Foresee the contacts that are left, at least and at most: where jumps grow from now on, or stay."""
-        return self._left_where(2.0 if self._fixed is None else 1.0), self._left_where(1.0)
+        return self._left_where(FASTEST if self._fixed is None else 1.0), self._left_where(1.0)
 
     def _left_where(self, growth: float) -> float:
         """Count the contacts that are left where each size of jumps is so many times the one before."""
@@ -148,7 +165,7 @@ class CycleJumps:
             for stop in sorted({*stops, last}):
                 while cycle < stop:  # two jumps, and the coarse state's one, which is twice as long
                     cycle += 2 * max(min(int(size), (stop - cycle) // LANDING), 1)
-                    cycles, size = cycles + 3, size * growth ** (1.0 / YOUNG)
+                    cycles, size = cycles + 3, max(min(size * growth, cycle / EARLY), size)
             cycle = 0
         return cycles * self._steps
 
@@ -201,18 +218,44 @@ class CycleJumps:
     def _choose(self) -> None:
         """Choose how many cycles the next one stands for: half as many as a jump of the coarse state."""
         if self._left == 0:
-            if self._coarse and self._behind < self._last:
-                self._follow()
-            if self._fixed is None and self._size > 1 and self._breaks_through():
+            auto, jump, ahead = self._fixed is None, self._cycle - self._behind, self._ahead
+            # A stop's own cycle is waited for.
+            whole = 2 * max(self.stands_for, min(self._size, 2)) + (self._cycle == self._stop)
+            due = jump + ahead * min(ahead, 2) > whole or self._cycle >= self._last
+            if self._coarse and self._behind < self._last and due:
+                if auto and not self._affords(1):
+                    self._give_up()
+                else:
+                    self._follow()
+            if auto and self._size > 1 and self._breaks_through():
                 self._size = 1
-            free = self._stop - self._cycle
-            self._left = min(max(free, 1), 2)
-            self.stands_for = max(min(self._size, free // LANDING), 1)
-            if not self._coarse and free > 1 and self._cycle >= self._again:
+            begins = not self._coarse and self._cycle >= self._again and self._cycle + 1 < self._stop
+            if begins and not (auto and (not self._affords(PATIENCE) or self._of_depth() >= SAFETY)):
                 self._keep_coarse()
-                self._behind, self._age = self._cycle, 0
-            self._means = dict.fromkeys(COMPARED, 0.0)
+                self._age = 0
+            self.stands_for = self._ahead
+            self._left = min(self.stands_for, 2)
         self._left -= 1
+
+    @property
+    def _ahead(self) -> int:
+        """Return how many cycles the next one may stand for."""
+        return max(min(self._size, (self._stop - self._cycle) // LANDING), 1) if self._coarse else 1
+
+    def _affords(self, jumps: int) -> bool:
+        """Tell whether so many jumps of the coarse state stay within what it may take in all.
+
+        Half of that is there from the beginning.
+        """
+        beyond = self.contacts + jumps * self._steps - self._every
+        return beyond <= 0.5 * BEYOND * (self._every + self._every_cycle)
+
+    def _give_up(self) -> None:
+        """Compute cycles one by one without a coarse state; errors of jumps that were made remain."""
+        self._coarse, self._numbers, self._size = {}, "", 1
+        self._earlier = dict(self._errors_reported)
+        self._errors = dict(self._earlier)
+        self._again = self._cycle + max(PATIENCE, int(AGAIN * self._cycle))
 
     def _breaks_through(self) -> bool:
         """Tell whether the next two jumps may take the deepest cell of a body into another layer."""
@@ -228,7 +271,8 @@ class CycleJumps:
 
     def _keep_coarse(self) -> None:
         self._coarse, numbers = state.save(self.model, whole=True)
-        self._numbers = json.dumps(numbers)
+        self._numbers, self._behind = json.dumps(numbers), self._cycle
+        self._means = dict.fromkeys(COMPARED, 0.0)
 
     def _follow(self) -> None:
         """Let the coarse state jump to where the run is, see how they differ, and choose the next size."""
@@ -236,44 +280,47 @@ class CycleJumps:
         state.restore(self.model, self._coarse, json.loads(self._numbers))
         self._set_out(self._behind, jump)
         self.model.measures = False
-        means = dict.fromkeys(COMPARED, 0.0)
+        means, made = dict.fromkeys(COMPARED, 0.0), self._means
         try:
             for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
-                means, self.contacts = _added(means, step.row), self.contacts + 1
+                means, self.contacts = _added(means, step.row, jump), self.contacts + 1
             apart = {body: _norm(depth - worn[body]) for body, depth in self._worn().items()}
-            self._errors = {body: self._earlier[body] + error for body, error in apart.items()}
+            self._errors = {body: self._earlier[body] + MARGIN * error for body, error in apart.items()}
+            self._age += 1
             self._keep_coarse()
-            self._behind, self._age = self._cycle, self._age + 1
         except ConvergenceError:
             means = dict.fromkeys(COMPARED, math.inf)
         self.model.measures = True
         state.restore(self.model, *fine)
-        self._adapt(max(self._of_depth(), self._of_contact(means, jump)))
+        self._adapt(max(self._of_depth(), self._of_contact(means, made)))
 
     def _adapt(self, ratio: float) -> None:
         """Choose the size of the next jumps. ratio: of the error to what is allowed."""
-        grows, before = ratio < SAFETY, self._size
-        # The error of a size shows after some jumps of it; those cut short before a stop say nothing of it.
-        if self._fixed is None and not (grows and (self._age < YOUNG or self.stands_for < self._size)):
-            self._size = max(min(int(before * SAFETY / max(ratio, 1.0e-3)), 2 * before), 1)
-            self._age *= self._size == before
-        if ratio > HOPELESS and self._fixed is None and not self._jumped and self._age >= PATIENCE:
-            self._coarse, self._numbers, self._errors = {}, "", dict(self._earlier)
-            self._again = self._cycle + max(PATIENCE, int(AGAIN * self._cycle))
+        if self._fixed is not None:
+            return
+        before, made = self._size, max(ratio - self._ratio, OF_ALL * ratio, 1.0e-6)
+        if ratio < SAFETY:  # the error that a jump adds goes with its length squared
+            more = min(math.sqrt(0.5 * (SAFETY - ratio) / made), FASTEST)
+            self._size = max(min(int(self.stands_for * more), self._cycle // EARLY), before)
+        elif ratio > min(self._ratio, 1.0):  # else it comes down by itself
+            self._size = max(int(before * SAFETY / ratio), 1)
+        self._ratio = ratio
+        self._age *= self._size == before
+        if ratio > HOPELESS and not self._jumped and self._age >= PATIENCE:
+            self._give_up()
 
     def _of_depth(self) -> float:
         """Return the larger relative error of both depths, over what is allowed.
 
         More is allowed while the next stop is far: depths grow until then, and the error is to hold there.
         """
-        allowed = self._tolerance * max(self._stop / self._cycle, 1.0) ** GROWTH
+        allowed = self._tolerance * max(self._stop / max(self._cycle, 1), 1.0) ** GROWTH
         return max(self._relative(self._errors).values()) / allowed
 
-    def _of_contact(self, means: Mapping[str, float], jump: int) -> float:
+    def _of_contact(self, coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
         """Return the largest relative change of what is compared of the contact, over what is allowed."""
-        cycles = 2.0 if jump > 1 else 1.0
-        pairs = [(mean, self._means[name] / cycles) for name, mean in means.items() if self._means[name]]
-        return max(abs(coarse / fine - 1.0) for coarse, fine in pairs) / OF_CONTACT
+        changes = [abs(coarse[name] / value - 1.0) for name, value in fine.items() if value]
+        return max(changes, default=0.0) / max(OF_CONTACT * self._tolerance, LEAST_OF_CONTACT)
 
     def _relative(self, errors: Mapping[str, float]) -> dict[str, float]:
         """Return errors over the depths, rms over the scar."""
@@ -285,8 +332,8 @@ class CycleJumps:
         return {body: worn.copy() for body, worn in zip(BODIES, self.model.worn_depths(), strict=True)}
 
 
-def _added(sums: Mapping[str, float], row: Mapping[str, float]) -> dict[str, float]:
-    return {name: total + row.get(name, 0.0) for name, total in sums.items()}
+def _added(sums: Mapping[str, float], row: Mapping[str, float], times: int) -> dict[str, float]:
+    return {name: total + times * row.get(name, 0.0) for name, total in sums.items()}
 
 
 def _norm(field: FloatArray) -> float:

@@ -106,3 +106,24 @@ def test_few_cycles_are_each_computed() -> None:
     assert study.replace({"stepping.jump": 3}).jumps
     with pytest.raises(InputError, match=r"stepping\.jump"):
         study.replace({"stepping.jump": 0})
+
+
+@pytest.mark.parametrize(("track", "error"), [("full", 0.005), ("full", 1e-9), ("rotating", 1e-4)])
+def test_a_coarse_state_that_never_pays_costs_a_tenth_at_most(track: str, error: float) -> None:
+    rough = {"disc.synthetic.kind": "self-affine", "disc.synthetic.ra": "0.05 um"}
+    study = study_of(track, sliding__distance="200 mm", stepping__jump_error=error).replace(rough)
+    told = warpwear.run(study).summary["track"]["jumps"]
+    assert told["contacts"] <= 1.1 * told["contacts_of_every_cycle"]
+
+
+def test_what_is_allowed_decides_what_is_computed() -> None:
+    """At the same error too a size grows at once by what the error allows."""
+    study = study_of(sliding__distance="160 mm", contact__stiffness="2e4 N/mm^3")
+    told = [
+        warpwear.run(study.replace(LAWS[law] | {"stepping.jump_error": error})).summary["track"]["jumps"]
+        for law in LAWS
+        for error in (0.005, 0.05)
+    ]
+    contacts = [one["contacts"] / one["contacts_of_every_cycle"] for one in told]
+    assert contacts[3] < 0.7 * contacts[2] < 0.35
+    assert contacts[0] < 0.3
