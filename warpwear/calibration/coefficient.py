@@ -87,7 +87,8 @@ class WearCalibration(Repeated):
         count, deviation, error = len(self.volumes), self.deviation, self.uncertainty
         note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
         if error is not None:
-            note = f"(standard {'error' if count > 1 else 'uncertainty'}, {error / self.mean:.2g} of K)"
+            kind = f"error{self.scatter.source}" if count > 1 else "uncertainty"
+            note = f"(standard {kind}, {error / self.mean:.2g} of K)"
         if deviation is not None:
             scatter = f"standard deviation of {count} tests ({deviation / self.mean:.2g} of the mean)"
         if self.hardness:
