@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests
+from warpwear.calibration.pair_tests import PairTest, RepeatedNumber
 from warpwear.calibration.scatter import Scatter
+from warpwear.ensembles.datum import Datum, headline
 from warpwear.errors import InputError
 from warpwear.figures.wording import counted
 from warpwear.measured.report import Report
@@ -58,6 +60,23 @@ class Repeated(Report):
         """
         return self.scatter.weighted
 
+    @property
+    def data(self) -> list[Datum]:
+        """Set each test beside what the others say of it."""
+        pairs = enumerate(zip(self.values, self.errors, strict=True), 1)
+        tests = (PairTest(f"test.{k}", {}, {"": Value(*pair)}) for k, pair in pairs)
+        return [datum for datum, _ in RepeatedNumber("", tuple(tests), (), {}).data]
+
+    def _worst(self, *, factor: float = 1.0, unit: str = "") -> list[Row]:
+        """Declare every test beside what the others say, and the worst of several."""
+        parts = {"unit": unit}
+        data = [
+            replace(d, **parts, **{n: factor * getattr(d, n) for n in ("measured", "computed", "error")})
+            for d in self.data
+        ]
+        rows = [Row("", "data", [datum.entry for datum in data])]
+        return [Row("each by others", "headline", headline(data)), *rows] if data else []
+
     def _weighted(self, unit: str, *, factor: float = 1.0, scientific: bool = False) -> list[Row]:
         """Declare the mean by the uncertainties of several tests themselves. unit: end of its key."""
         if self.weighted is None:
@@ -105,7 +124,8 @@ class CalibratedTests(Repeated):
         note = "" if self.uncertainty is None else f"(standard uncertainty{self.scatter.source})"
         scatter = Row("scatter", f"standard_deviation{unit}", self.deviation, digits=2)
         mean = replace(row, value=self.mean, error=self.uncertainty, note=note)
-        return [mean, scatter, *self._weighted(unit), Row("", "tests", self._table())]
+        more = *self._weighted(unit), *self._worst(unit=row.units)
+        return [mean, scatter, *more, Row("", "tests", self._table())]
 
     def _table(self) -> list[list[Row]]:
         named = zip(self.tests, self.headlines, strict=True)

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import OFF, MeasuredTest, Value, checked_tests
-from warpwear.calibration.repeats_text import CONDITIONS, TABLE, figure_of, table_of, text_of
-from warpwear.calibration.scatter import HELD, PRIOR, Pair, Scatter, count_needed
+from warpwear.calibration.pair_tests import CONDITIONS, PairTest, RepeatedNumber
+from warpwear.calibration.repeats_text import TABLE, figure_of, table_of, text_of
+from warpwear.calibration.scatter import HELD, PRIOR, Scatter
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
 from warpwear.ensembles.datum import Datum, headline, lines_of_data
-from warpwear.ensembles.ensemble import Curve, EnsembleRow, Group
+from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.errors import InputError, named_in_python
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.sections import under_headings
-from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.analysis import RecordStep, analyse
 from warpwear.measured.friction.events import events_of, laps_of
@@ -37,15 +37,15 @@ from warpwear.version import __version__
 
 #: What every folder of repeats has, and its page.
 MARK, PAGE = "repeats.json", "repeats.html"
-#: Number of a test -> its label and the end of its key.
+#: Number of a test -> its label and its unit.
 ASKED = {
     "level": ("level of friction", ""),
-    "incubation": ("incubation", "_mm"),
-    "jump": ("length of the jump", "_mm"),
+    "incubation": ("incubation", "mm"),
+    "jump": ("length of the jump", "mm"),
     "overshoot": ("overshoot", ""),
-    "k_counter": ("K of the ball", "_mm3_per_Nm"),
-    "k_disc": ("K of the disc", "_mm3_per_Nm"),
-    "k": ("K", "_mm3_per_Nm"),
+    "k_counter": ("K of the ball", "mm³/(N·m)"),
+    "k_disc": ("K of the disc", "mm³/(N·m)"),
+    "k": ("K", "mm³/(N·m)"),
 }
 HOW = (
     "Mean ± s: arithmetic mean and standard deviation (n − 1) of the tests, by the trend of one load.",
@@ -55,125 +55,6 @@ HOW = (
     "Measured and computed: each test beside what the others say of it, in errors of both.",
     "Places of one test, entries with one name or steps of a record, are a mean and not tests.",
 )
-
-
-@dataclass(frozen=True, eq=False)
-class PairTest:
-    """A test of a pair: its conditions, its numbers with their errors, and its course of friction [m]."""
-
-    name: str
-    conditions: Mapping[str, float]
-    values: Mapping[str, Value]
-    course: Curve | None = None
-    laps: float | None = None  # of the incubation
-    notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class RepeatedNumber:
-    """One number of several tests. over: conditions of its trend; at: those of the next test."""
-
-    kind: str
-    tests: tuple[PairTest, ...]
-    over: tuple[str, ...]
-    at: Mapping[str, float]
-
-    @cached_property
-    def values(self) -> FloatArray:
-        """Return the measured numbers, (tests,)."""
-        return np.array([test.values[self.kind].value for test in self.tests])
-
-    @cached_property
-    def scale(self) -> float | None:
-        """Return the unit of numbers that are no logarithms, as some are zero; else None."""
-        return None if self.values.min() > 0.0 else float(self.values.mean())
-
-    @cached_property
-    def pair(self) -> Pair:
-        """Return what the tests tell of the pair, in logarithms or in `scale`."""
-        errors = np.array([test.values[self.kind].error or 0.0 for test in self.tests])
-        y = np.log(self.values) if self.scale is None else self.values / self.scale
-        x = np.array([self.place(test.conditions) for test in self.tests])
-        return Pair(y, errors / (self.values if self.scale is None else self.scale), x)
-
-    def place(self, conditions: Mapping[str, float]) -> FloatArray:
-        """Return conditions of a test as those of `Pair`: logarithms over those of the next test."""
-        return np.array([1.0, *(math.log(conditions[name] / self.at[name]) for name in self.over)])
-
-    def back(self, y: float) -> float:
-        """Return a number in its unit."""
-        return math.exp(y) if self.scale is None else max(0.0, y * self.scale)
-
-    def size(self, y: float) -> float:
-        """Return what an error of `Pair` is in the unit of the number."""
-        return self.back(y) if self.scale is None else self.scale
-
-    @cached_property
-    def next(self) -> FloatArray:
-        """Return the conditions of the next test, of which every trend is taken from there."""
-        return self.place(self.at)
-
-    @cached_property
-    def corrected(self) -> Scatter:
-        """Return the numbers of the tests as if all were made under the next one's conditions."""
-        slopes = [self.pair.mean(row)[0] for row in np.eye(self.next.size)[1:]]
-        shift = self.pair.conditions[:, 1:] @ np.array(slopes)
-        values = [self.back(float(y)) for y in self.pair.y - shift] if self.over else self.values.tolist()
-        return Scatter(values, [test.values[self.kind].error for test in self.tests])
-
-    @property
-    def s(self) -> float | None:
-        """Return the standard deviation of the tests about their mean, or trend; None of too few."""
-        free, deviation = len(self.tests) - self.next.size, self.corrected.deviation
-        return None if free < 1 or deviation is None else deviation * math.sqrt((len(self.tests) - 1) / free)
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Return where the next test lies."""
-        low, high = self.pair.interval(self.next, float(np.median(self.pair.errors)))
-        return self.back(low), self.back(high)
-
-    @cached_property
-    def data(self) -> list[tuple[Datum, bool]]:
-        """Set each test beside what the others say of it, and whether it lies in their interval."""
-        rows = []
-        for number, (test, value) in enumerate(zip(self.tests, self.values.tolist(), strict=True)):
-            others, x, u = self.pair.without(number), self.pair.conditions[number], self.pair.errors[number]
-            if others.is_known:
-                mean, deviation = others.next(x, u)
-                computed, off = self.back(mean), (self.pair.y[number] - mean) / deviation
-                low, high = (self.back(end) for end in others.interval(x, u))
-                error = float((value - computed) / off) if off else self.size(mean) * deviation
-                name = f"{test.name}, {ASKED[self.kind][0]}"
-                rows.append((Datum(name, value, computed, error, self.unit), low <= value <= high))
-        return rows
-
-    @property
-    def unit(self) -> str:
-        """Return its unit as people write it."""
-        return Row("", f"{self.kind}{ASKED[self.kind][1]}", 0.0).units
-
-    def numbers(self, wanted: float) -> dict[str, Any]:
-        """Return all that is told of it. wanted: error of the mean as a part of it."""
-        scatter, trend = self.pair.scatter, np.eye(self.next.size)[1:]
-        mean, deviation = self.pair.mean(self.next)
-        spread = math.hypot(scatter[0], float(np.median(self.pair.errors)))
-        return {
-            "unit": self.unit,
-            "mean": self.corrected.mean,
-            "s": self.s,
-            "n": len(self.tests),
-            "pair": self.back(mean),
-            "pair_error": self.size(mean) * deviation,
-            "scatter": dict(zip(("median", "low", "high"), scatter, strict=True)),
-            "next_low": self.interval[0],
-            "next_high": self.interval[1],
-            "at": {name: self.at[name] for name in self.over},
-            "trend": {name: self.pair.mean(row) for name, row in zip(self.over, trend, strict=True)},
-            "tests_needed": count_needed(spread, wanted),
-            "left_out_within": sum(within for _, within in self.data),
-            "left_out": len(self.data),
-        }
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -370,7 +251,7 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
             if (name in at or name == "load") and max(values) > (1.0 + OFF) * min(values)
         )
         middle = {name: math.exp(float(np.mean(np.log(known[name])))) for name in over}
-        number = RepeatedNumber(kind, some, over, {**middle, **at})
+        number = RepeatedNumber(kind, some, over, {**middle, **at}, *ASKED[kind])
         if not number.pair.is_known:
             told = " and ".join(over)
             raise InputError(

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.calibration.pair_tests import CONDITIONS
 from warpwear.calibration.scatter import HELD, Pair
 from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.figures import describe
@@ -19,8 +20,6 @@ from warpwear.results.report import aligned, scientific, shown
 TABLE = "repeats.csv"
 #: Places at which the next test's course is computed, at most.
 PLACES = 120
-#: Conditions over which there may be a trend -> their units.
-CONDITIONS = {"load": "N", "speed": "mm/s", "radius": "mm", "track_radius": "mm"}
 #: Numbers of a test as a paper calls them.
 SYMBOLS = {"level": "μ =", "k_counter": "K of the ball", "k_disc": "K of the disc", "k": "K"}
 
