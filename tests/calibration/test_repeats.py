@@ -210,8 +210,3 @@ def test_what_is_no_repeat_is_refused(tests: Any, more: dict[str, Any], text: st
     with pytest.raises(InputError) as error:
         warpwear.repeats(tests, **more)
     assert text in str(error.value)
-
-
-def test_one_value_a_file() -> None:
-    done = CliRunner().invoke(commands, ["repeats", "a.csv", "b.csv", "--volume-disc", "0.02 mm^3"])
-    assert "--volume-disc is given 1 times, FILE 2 times" in str(done.exception)

@@ -108,7 +108,7 @@ class WearCalibration(Repeated):
             Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
             Row("", "standard_error_mm3_per_Nm", times(1e3, error) if count > 1 else None),
             *self._weighted("_mm3_per_Nm", factor=1e3, scientific=True),
-            *self._worst(factor=1e3, unit="mm³/(N·m)"),
+            *self._worst("mm³/(N·m)", 1e3),
             Row("", "uses", "exact"),
             Row("in a study", "", in_study),
             Row("", "tests", self._table()),

@@ -8,7 +8,7 @@ from typing import Any
 from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests
 from warpwear.calibration.pair_tests import PairTest, RepeatedNumber
 from warpwear.calibration.scatter import Scatter
-from warpwear.ensembles.datum import Datum, headline
+from warpwear.ensembles.datum import headline
 from warpwear.errors import InputError
 from warpwear.figures.wording import counted
 from warpwear.measured.report import Report
@@ -60,22 +60,15 @@ class Repeated(Report):
         """
         return self.scatter.weighted
 
-    @property
-    def data(self) -> list[Datum]:
-        """Set each test beside what the others say of it."""
-        pairs = enumerate(zip(self.values, self.errors, strict=True), 1)
-        tests = (PairTest(f"test.{k}", {}, {"": Value(*pair)}) for k, pair in pairs)
-        return [datum for datum, _ in RepeatedNumber("", tuple(tests), (), {}).data]
-
-    def _worst(self, *, factor: float = 1.0, unit: str = "") -> list[Row]:
-        """Declare every test beside what the others say, and the worst of several."""
-        parts = {"unit": unit}
-        data = [
-            replace(d, **parts, **{n: factor * getattr(d, n) for n in ("measured", "computed", "error")})
-            for d in self.data
+    def _worst(self, unit: str, factor: float = 1.0) -> list[Row]:
+        """Declare every test beside what the others say of it, and the worst of several."""
+        tests = [
+            PairTest(f"test.{k}", {}, {"": Value(factor * value, error and factor * error)})
+            for k, (value, error) in enumerate(zip(self.values, self.errors, strict=True), 1)
         ]
-        rows = [Row("", "data", [datum.entry for datum in data])]
-        return [Row("each by others", "headline", headline(data)), *rows] if data else []
+        data = [datum for datum, _ in RepeatedNumber("", tuple(tests), (), {}, unit=unit).data]
+        rows = [Row("each by others", "headline", headline(data)), Row("", "data", [d.entry for d in data])]
+        return rows if data else []
 
     def _weighted(self, unit: str, *, factor: float = 1.0, scientific: bool = False) -> list[Row]:
         """Declare the mean by the uncertainties of several tests themselves. unit: end of its key."""
@@ -124,7 +117,7 @@ class CalibratedTests(Repeated):
         note = "" if self.uncertainty is None else f"(standard uncertainty{self.scatter.source})"
         scatter = Row("scatter", f"standard_deviation{unit}", self.deviation, digits=2)
         mean = replace(row, value=self.mean, error=self.uncertainty, note=note)
-        more = *self._weighted(unit), *self._worst(unit=row.units)
+        more = *self._weighted(unit), *self._worst(row.units)
         return [mean, scatter, *more, Row("", "tests", self._table())]
 
     def _table(self) -> list[list[Row]]:

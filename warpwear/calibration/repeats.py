@@ -12,11 +12,12 @@ import numpy as np
 
 from warpwear.calibration.measurements import OFF, MeasuredTest, Value, checked_tests
 from warpwear.calibration.pair_tests import CONDITIONS, PairTest, RepeatedNumber
-from warpwear.calibration.repeats_text import TABLE, figure_of, table_of, text_of
+from warpwear.calibration.repeats_text import figure_of, text_of
 from warpwear.calibration.scatter import HELD, PRIOR, Scatter
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
-from warpwear.ensembles.datum import Datum, headline, lines_of_data
+from warpwear.ensembles.datum import COLUMNS, Datum, headline, lines_of_data
 from warpwear.ensembles.ensemble import EnsembleRow, Group
+from warpwear.ensembles.table import write_csv
 from warpwear.errors import InputError, named_in_python
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
@@ -32,7 +33,7 @@ from warpwear.measured.rows import read_rows
 from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.page.html import page_of
 from warpwear.results.folder import check_folder
-from warpwear.results.report import Row, to_json
+from warpwear.results.report import Row, entries, to_json
 from warpwear.version import __version__
 
 #: What every folder of repeats has, and its page.
@@ -92,38 +93,31 @@ class RepeatedTests(Report, WrittenAsFolder):
     def differences(self) -> dict[str, tuple[float, float]]:
         """Of each number of both pairs the difference of their means, and its standard error."""
         other = self.than.told if self.than else {}
-        return {
-            name: (
-                told["pair"] - other[name]["pair"],
-                math.hypot(told["pair_error"], other[name]["pair_error"]),
-            )
-            for name, told in self.told.items()
-            if name in other
-        }
+        both = [(name, a, other[name]) for name, a in self.told.items() if name in other]
+        return {n: (a["pair"] - b["pair"], math.hypot(a["pair_error"], b["pair_error"])) for n, a, b in both}
 
     def _title(self) -> str:
         return f"{len(self.tests)} tests of one pair"
 
     def _rows(self) -> list[Row]:
-        notes = [f"{test.name}: {note}" for test in self.tests for note in test.notes]
-        return [
-            Row("", "tests", [test.name for test in self.tests]),
-            Row("", "numbers", self.told),
-            Row("", "differences", self.differences),
-            Row("", "wanted_error", self.wanted),
-            Row("", "data", [datum.entry for datum in self.data]),
-            Row("", "headline", headline(self.data)),
-            Row("", "sentence", str(self).split("\n")[1].strip()),
-            Row("", "notes", notes),
-            Row("", "how", list(HOW)),
-        ]
+        content = {
+            "tests": [test.name for test in self.tests],
+            "numbers": self.told,
+            "differences": self.differences,
+            "wanted_error": self.wanted,
+            "data": [datum.entry for datum in self.data],
+            "headline": headline(self.data),
+            "sentence": str(self).split("\n")[1].strip(),
+            "notes": [f"{test.name}: {note}" for test in self.tests for note in test.notes],
+            "how": list(HOW),
+        }
+        return entries(content)
 
     def _table(self) -> list[list[Row]]:
-        named = ({"name": name, **told} for name, told in self.told.items())
-        return [[Row("", key, value) for key, value in told.items()] for told in named]
+        return [entries({"name": name, **told}) for name, told in self.told.items()]
 
     def _declared(self) -> Figure:
-        return figure_of(self.tests, self.found.get("level"))
+        return figure_of(self.tests)
 
     def __str__(self) -> str:
         lines = text_of(self.tests, self.told, self.differences)
@@ -131,10 +125,9 @@ class RepeatedTests(Report, WrittenAsFolder):
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         check_out(folder, file_format=file_format, overwrite=overwrite)
+        columns = {key: [datum.entry[key] for datum in self.data] for key in COLUMNS}
         figures = {"courses": self._declared()} if any(test.course for test in self.tests) else {}
-        caption = (
-            "Each test, their mean with its standard deviation, and where the next test will lie (90 %)."
-        )
+        caption = "Each test, their mean and standard deviation, and where the next test will lie (90 %)."
         content = {
             "name": self._title().capitalize(),
             "version": __version__,
@@ -147,7 +140,7 @@ class RepeatedTests(Report, WrittenAsFolder):
             folder,
             figures,
             pages={PAGE: partial(page_of, "record.html", content)},
-            files={TABLE: table_of(self.told), MARK: to_json(self.numbers) + "\n"},
+            files={"repeats.csv": partial(write_csv, columns), MARK: to_json(self.numbers) + "\n"},
             marks=[MARK],
             file_format=file_format,
             older=["courses"],

@@ -1,7 +1,5 @@
 """What is said and drawn of repeated tests: the sentence for a paper, a table, and all courses."""
 
-import csv
-import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -16,8 +14,6 @@ from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.results.ensemble import in_legend
 from warpwear.results.report import aligned, scientific, shown
 
-#: File of the table.
-TABLE = "repeats.csv"
 #: Places at which the next test's course is computed, at most.
 PLACES = 120
 #: Numbers of a test as a paper calls them.
@@ -89,18 +85,7 @@ def text_of(
     yield from (f"  {line}" for line in aligned(cells))
 
 
-def table_of(told: Mapping[str, Mapping[str, Any]]) -> str:
-    """Write a row a number, as CSV."""
-    columns = [name for name, value in next(iter(told.values())).items() if not isinstance(value, Mapping)]
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(["number", *columns, "scatter"])
-    for name, row in told.items():
-        writer.writerow([name, *(row[column] for column in columns), row["scatter"]["median"]])
-    return text.getvalue()
-
-
-def figure_of(tests: Sequence[Any], level: Any) -> Figure:
+def figure_of(tests: Sequence[Any]) -> Figure:
     """Draw all courses, their mean with s, and the band of the next test."""
     known = [test for test in tests if test.course is not None]
     rows = tuple(EnsembleRow(test.name, {}, {"cof": test.course}) for test in known)
@@ -114,16 +99,10 @@ def figure_of(tests: Sequence[Any], level: Any) -> Figure:
         several = np.flatnonzero(np.isfinite(values).sum(axis=0) > 1)
         some = several[np.unique(np.linspace(0, several.size - 1, PLACES).astype(int))]
         values = values[:, some]
-        x = np.ones((len(known), 1))
-        if level is not None and level.over:
-            x = np.array([level.place(test.conditions) for test in known])
-        at = np.eye(x.shape[1])[0]
-        ends = np.full((2, some.size), np.nan)
+        ends = np.empty((2, some.size))
         for k, column in enumerate(values.T):
-            here = np.isfinite(column)
-            pair = Pair(np.log(column[here]), np.zeros(here.sum()), x[here])
-            if pair.is_known:
-                ends[:, k] = np.exp(pair.interval(at, 0.0))
+            y = np.log(column[np.isfinite(column)])
+            ends[:, k] = np.exp(Pair(y, 0.0 * y, np.ones((y.size, 1))).interval(np.ones(1), 0.0))
         places, mean = course[0][some], np.nanmean(values, axis=0)
         s = np.nanstd(values, axis=0, ddof=1)
         mean_look, next_look = Look(describe.NEUTRAL, width=2.0), Look(describe.NEUTRAL, "dash", 1.0)

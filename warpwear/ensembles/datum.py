@@ -8,6 +8,8 @@ from warpwear.results.report import aligned
 
 #: Errors from which a datum and what was computed contradict each other.
 CONTRADICTION = 3.0
+#: What a table has of a datum.
+COLUMNS = ("name", "measured", "computed", "error", "unit", "off", "fitted")
 
 
 @dataclass(frozen=True)
@@ -34,8 +36,7 @@ class Datum:
     @property
     def entry(self) -> dict[str, Any]:
         """Return it for JSON."""
-        names = ("name", "measured", "computed", "error", "unit", "off", "fitted")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in COLUMNS}
 
     def __str__(self) -> str:
         """Say it in a line."""
