@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from warpwear.calibration.scatter import PRIOR, Pair, Scatter, count_needed
+from warpwear.calibration.scatter import PRIOR, Scatter, ScatterModel, count_needed
 
 ONE = np.ones(1)
 #: Tests, scatter between them, and next tests that the interval of 90 % holds [%].
@@ -20,7 +20,7 @@ def held(tests: int, scatter: float, cases: int) -> float:
     inside = 0
     for _ in range(cases):
         y = dice.normal(0.0, math.hypot(scatter, ERROR), tests + 1)
-        low, high = Pair(y[:-1], np.full(tests, ERROR), np.ones((tests, 1))).interval(ONE, ERROR)
+        low, high = ScatterModel(y[:-1], np.full(tests, ERROR), np.ones((tests, 1))).interval(ONE, ERROR)
         inside += low < y[-1] < high
     return 100.0 * inside / cases
 
@@ -66,7 +66,7 @@ def test_a_plain_grid_says_the_same(seed: int) -> None:
     tests, scatter = int(dice.integers(2, 8)), float(dice.uniform(0.05, 0.5))
     u = dice.uniform(0.02, 0.15, tests)
     y = dice.normal(0.0, np.hypot(scatter, u))
-    pair = Pair(y, u, np.ones((tests, 1)))
+    pair = ScatterModel(y, u, np.ones((tests, 1)))
     mean, deviation, low, high = by_integration(y, u)
     found = pair.mean(ONE)
     assert found[0] == pytest.approx(mean, abs=0.02 * deviation)
@@ -78,7 +78,7 @@ def test_a_plain_grid_says_the_same(seed: int) -> None:
 def test_no_scatter_is_the_mean_by_the_errors() -> None:
     """s → 0: mean and error by 1/u², and of the next test their and its own error."""
     y, u = np.array([1.0, 1.2, 0.9, 1.1]), np.array([0.1, 0.2, 0.15, 0.05])
-    pair = Pair(y, u, np.ones((4, 1)), prior=1e-9)
+    pair = ScatterModel(y, u, np.ones((4, 1)), prior=1e-9)
     weighted = Scatter(y.tolist(), u.tolist()).weighted
     assert weighted is not None
     assert pair.mean(ONE) == pytest.approx(weighted[:2], rel=1e-6)
@@ -89,7 +89,7 @@ def test_no_scatter_is_the_mean_by_the_errors() -> None:
 
 def test_many_tests_show_their_scatter() -> None:
     y = np.random.default_rng(3).normal(0.0, 0.2, 400)
-    pair = Pair(y, np.zeros(400), np.ones((400, 1)))
+    pair = ScatterModel(y, np.zeros(400), np.ones((400, 1)))
     assert pair.scatter[0] == pytest.approx(y.std(), rel=0.01)
     side = stats.norm.ppf(0.95) * y.std()
     assert pair.interval(ONE, 0.0) == pytest.approx((y.mean() - side, y.mean() + side), abs=0.01)
@@ -99,16 +99,16 @@ def test_a_trend_is_least_squares() -> None:
     """Of one error the terms are those of a line, whatever the scatter is."""
     x = np.log([2.0, 2.0, 5.0, 5.0, 10.0, 10.0])
     y = 0.3 - 0.7 * x + np.array([0.02, -0.01, 0.03, 0.0, -0.02, 0.01])
-    pair = Pair(y, np.full(6, 0.02), np.column_stack([np.ones(6), x]))
+    pair = ScatterModel(y, np.full(6, 0.02), np.column_stack([np.ones(6), x]))
     slope, start = np.polyfit(x, y, 1)
     assert [pair.mean(row)[0] for row in np.eye(2)] == pytest.approx([start, slope])
     assert pair.next(np.array([1.0, math.log(20.0)]), 0.02)[1] > pair.next(np.array([1.0, x.mean()]), 0.02)[1]
-    assert not Pair(y[:2], y[:2], pair.conditions[:2]).is_known
+    assert not ScatterModel(y[:2], y[:2], pair.conditions[:2]).is_known
 
 
 def test_one_test_tells_no_more_than_the_prior() -> None:
     """The next of a single one: both scatter, by the half-normal prior, integrated by quadrature."""
-    low, high = Pair(np.zeros(1), np.array([0.05]), np.ones((1, 1))).interval(ONE, 0.05)
+    low, high = ScatterModel(np.zeros(1), np.array([0.05]), np.ones((1, 1))).interval(ONE, 0.05)
     outside, _ = integrate.quad(
         lambda s: (
             2.0 * stats.norm.pdf(s, 0.0, PRIOR) * stats.norm.cdf(low / math.sqrt(2.0) / math.hypot(s, 0.05))

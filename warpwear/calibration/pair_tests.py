@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import Value
-from warpwear.calibration.scatter import Pair, Scatter, count_needed
+from warpwear.calibration.scatter import Scatter, ScatterModel, count_needed
 from warpwear.ensembles.datum import Datum
 from warpwear.ensembles.ensemble import Curve
 from warpwear.grid import FloatArray
@@ -52,15 +52,15 @@ class RepeatedNumber:
         return None if self.values.min() > 0.0 else float(self.values.mean())
 
     @cached_property
-    def pair(self) -> Pair:
+    def pair(self) -> ScatterModel:
         """Return what the tests tell of the pair, in logarithms or in `scale`."""
         errors = np.array([test.values[self.kind].error or 0.0 for test in self.tests])
         y = np.log(self.values) if self.scale is None else self.values / self.scale
         x = np.array([self.place(test.conditions) for test in self.tests])
-        return Pair(y, errors / (self.values if self.scale is None else self.scale), x)
+        return ScatterModel(y, errors / (self.values if self.scale is None else self.scale), x)
 
     def place(self, conditions: Mapping[str, float]) -> FloatArray:
-        """Return conditions of a test as those of `Pair`: logarithms over those of the next test."""
+        """Return conditions of a test as those of `ScatterModel`: logarithms over those of the next test."""
         return np.array([1.0, *(math.log(conditions[name] / self.at[name]) for name in self.over)])
 
     def back(self, y: float) -> float:
@@ -68,7 +68,7 @@ class RepeatedNumber:
         return math.exp(y) if self.scale is None else max(0.0, y * self.scale)
 
     def size(self, y: float) -> float:
-        """Return what an error of `Pair` is in the unit of the number."""
+        """Return what an error of `ScatterModel` is in the unit of the number."""
         return self.back(y) if self.scale is None else self.scale
 
     @cached_property

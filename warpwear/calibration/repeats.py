@@ -81,17 +81,17 @@ class RepeatedTests(Report, WrittenAsFolder):
 
     @cached_property
     def data(self) -> list[Datum]:
-        """One row for each datum: measured, what the other tests say, (difference)/error."""
+        """Give a row for each datum: measured, what the other tests say, (difference)/error."""
         return [datum for number in self.found.values() for datum, _ in number.data]
 
     @cached_property
     def told(self) -> dict[str, dict[str, Any]]:
-        """What is told of each number, by name."""
+        """Give what is told of each number, by name."""
         return {name: number.numbers(self.wanted) for name, number in self.found.items()}
 
     @property
     def differences(self) -> dict[str, tuple[float, float]]:
-        """Of each number of both pairs the difference of their means, and its standard error."""
+        """Give the difference of the means of both pairs, and its standard error, by name."""
         other = self.than.told if self.than else {}
         both = [(name, a, other[name]) for name, a in self.told.items() if name in other]
         return {n: (a["pair"] - b["pair"], math.hypot(a["pair_error"], b["pair_error"])) for n, a, b in both}

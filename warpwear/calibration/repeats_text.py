@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.pair_tests import CONDITIONS
-from warpwear.calibration.scatter import HELD, Pair
+from warpwear.calibration.scatter import HELD, ScatterModel
 from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
@@ -53,7 +53,7 @@ def sentence(tests: Sequence[Any], told: Mapping[str, Mapping[str, Any]]) -> str
         else:
             continue
         count = row["n"]
-    at = next((row["at"] for row in told.values() if row["at"]), {})
+    at: Mapping[str, float] = next((row["at"] for row in told.values() if row["at"]), {})
     where = " and ".join(
         f"{name.replace('_', ' ')} {value:.3g} {CONDITIONS[name]}" for name, value in at.items()
     )
@@ -90,7 +90,12 @@ def figure_of(tests: Sequence[Any]) -> Figure:
     known = [test for test in tests if test.course is not None]
     rows = tuple(EnsembleRow(test.name, {}, {"cof": test.course}) for test in known)
     lines = [
-        Line(*test.course, in_legend(test.name), Look(describe.GROUPS[k % len(describe.GROUPS)], width=0.7))
+        Line(
+            test.course[0],
+            test.course[1],
+            in_legend(test.name),
+            Look(describe.GROUPS[k % len(describe.GROUPS)], width=0.7),
+        )
         for k, test in enumerate(known)
     ]
     course = Group("tests", rows).courses("cof")
@@ -102,7 +107,7 @@ def figure_of(tests: Sequence[Any]) -> Figure:
         ends = np.empty((2, some.size))
         for k, column in enumerate(values.T):
             y = np.log(column[np.isfinite(column)])
-            ends[:, k] = np.exp(Pair(y, 0.0 * y, np.ones((y.size, 1))).interval(np.ones(1), 0.0))
+            ends[:, k] = np.exp(ScatterModel(y, 0.0 * y, np.ones((y.size, 1))).interval(np.ones(1), 0.0))
         places, mean = course[0][some], np.nanmean(values, axis=0)
         s = np.nanstd(values, axis=0, ddof=1)
         mean_look, next_look = Look(describe.NEUTRAL, width=2.0), Look(describe.NEUTRAL, "dash", 1.0)

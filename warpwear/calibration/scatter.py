@@ -90,7 +90,7 @@ class Scatter:
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class ScatterModel:
     """Hold what tests tell of a pair: y, (tests,), their uncertainties, and conditions, (tests, terms).
 
     The first condition is one. prior: scale of the half-normal prior of the scatter.
@@ -109,7 +109,7 @@ class Pair:
     @cached_property
     def _of_grid(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return scatters, their probabilities, and terms with covariances for each."""
-        s = np.append(0.0, np.geomspace(*(end * self.prior for end in ENDS), GRID - 1))
+        s = np.append(0.0, self.prior * np.geomspace(*ENDS, GRID - 1))
         x, variance = self.conditions, s[:, None] ** 2 + np.maximum(self.errors, ROUNDING) ** 2
         covariance = np.linalg.inv(np.einsum("kn,ni,nj->kij", 1.0 / variance, x, x))
         terms = np.einsum("kij,nj,kn,n->ki", covariance, x, 1.0 / variance, self.y)
@@ -158,10 +158,10 @@ class Pair:
         mean = float(weights @ means)
         return mean, math.sqrt(float(weights @ (variances + (means - mean) ** 2)))
 
-    def without(self, test: int) -> "Pair":
+    def without(self, test: int) -> "ScatterModel":
         """Leave a test out."""
         kept: Any = np.arange(self.y.size) != test
-        return Pair(self.y[kept], self.errors[kept], self.conditions[kept], self.prior)
+        return ScatterModel(self.y[kept], self.errors[kept], self.conditions[kept], self.prior)
 
 
 def count_needed(scatter: float, wanted: float) -> int:

@@ -45,7 +45,8 @@ def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
         rows += [("place of the rise", 0.5 * (jump.start + jump.end), half, error, "mm")]
         rows += [("length of the rise", length, high - low, error, "mm")]
     if steady is not None and end > steady.start:
-        rows += [("level", steady.value, _mean(course, steady.start, steady.end), steady.error, "")]
+        level = steady.value - 0.5 * steady.drift  # the mean, and not the end, of its line
+        rows += [("level", level, _mean(course, steady.start, steady.end), steady.error, "")]
     elif steady is None and end > 0.9 * whole:
         rows += [("level", experiment.final_cof, mean_of_last_tenth(*course), 0.0, "")]
     friction = run.study.friction
@@ -67,7 +68,7 @@ def data_by_name(
     groups: Iterable[Group[RunData]], experiments: Sequence[Experiment]
 ) -> dict[str, list[Datum]]:
     """Set measured courses beside the mean course of each group, by the names of both; none of no course."""
-    found = {}
+    found: dict[str, list[Datum]] = {}
     for group in groups:
         if (courses := group.courses("cof")) is not None:
             mean = courses[0], np.nanmean(courses[1], axis=0)
