@@ -115,7 +115,8 @@ class RepeatedNumber:
         """Return all that is told of it. wanted: error of the mean as a part of it."""
         scatter, trend = self.pair.scatter, np.eye(self.next.size)[1:]
         mean, deviation = self.pair.mean(self.next)
-        spread = math.hypot(scatter[0], float(np.median(self.pair.errors)))
+        each = float(np.median(self.pair.errors))
+        needed, most = (count_needed(math.hypot(s, each), wanted) for s in (scatter[0], scatter[2]))
         return {
             "unit": self.unit,
             "mean": self.corrected.mean,
@@ -128,7 +129,8 @@ class RepeatedNumber:
             "next_high": self.interval[1],
             "at": {name: self.at[name] for name in self.over},
             "trend": {name: self.pair.mean(row) for name, row in zip(self.over, trend, strict=True)},
-            "tests_needed": count_needed(spread, wanted),
+            "tests_needed": needed,
+            "tests_needed_at_most": most,
             "left_out_within": sum(within for _, within in self.data),
             "left_out": len(self.data),
         }

@@ -22,6 +22,7 @@ from warpwear.errors import InputError, named_in_python
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.sections import under_headings
+from warpwear.figures.wording import counted
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.analysis import RecordStep, analyse
 from warpwear.measured.friction.events import events_of, laps_of
@@ -121,7 +122,9 @@ class RepeatedTests(Report, WrittenAsFolder):
 
     def __str__(self) -> str:
         lines = text_of(self.tests, self.told, self.differences)
-        return "\n".join([self._title(), *lines, f"  {headline(self.data)}"])
+        count = sum(len(test.notes) for test in self.tests)
+        more = f"; {counted(count, 'warning')} of records, on the page and in JSON" * bool(count)
+        return "\n".join([self._title(), *lines, f"  {headline(self.data)}{more}"])
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         check_out(folder, file_format=file_format, overwrite=overwrite)
@@ -241,7 +244,8 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
         over = tuple(
             name
             for name, values in known.items()
-            if (name in at or name == "load") and max(values) > (1.0 + OFF) * min(values)
+            if (name in at or name == "load")
+            and np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
         )
         middle = {name: math.exp(float(np.mean(np.log(known[name])))) for name in over}
         number = RepeatedNumber(kind, some, over, {**middle, **at}, *ASKED[kind])
@@ -293,17 +297,13 @@ def _places(
             raise InputError(f"{named}.{source} is of a body whose wear is given already: give one of both")
         if not all(each.value for each in work):
             raise InputError(f"{named}.{source} needs a load and a distance: K is V/(F L)")
-        worn = worn_volume(test, source, named, preparation=_for(source, preparation))
+        how = preparation if SOURCES[source].file else {}
+        worn = worn_volume(test, source, named, preparation=how)
         k = 1e3 * worn.volume / (work[0].value * work[1].value)
         parts = [(each.error or 0.0) / each.value for each in work]
         error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
         values[kind] = Value(k, error)
     return [replace(places[0], values=values, notes=notes), *places[1:]]
-
-
-def _for(source: str, preparation: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the preparation of a measured file; of a number none."""
-    return preparation if SOURCES[source].file else {}
 
 
 def _steps(test: MeasuredTest, columns: str | None) -> tuple[tuple[RecordStep, ...], tuple[str, ...]]:

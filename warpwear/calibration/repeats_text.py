@@ -77,7 +77,8 @@ def text_of(
         ends = [factor * row[end] for end in ("next_low", "next_high")]
         small = unit.startswith("mm³/")
         span = " to ".join(scientific(end, digits=3) if small else f"{end:.3g}" for end in ends)
-        counts = f"{row['left_out_within']} of {row['left_out']}", str(row["tests_needed"])
+        counts = [f"{row['left_out_within']} of {row['left_out']}"]
+        counts.append(f"{row['tests_needed']} (to {row['tests_needed_at_most']})")
         cells.append([name.replace("_", " "), with_s(row), str(row["n"]), spread, span, *counts])
         if differences:
             gap = differences.get(name)
