@@ -1,5 +1,6 @@
 """What is said and drawn of repeated tests: the sentence for a paper, a table, and all courses."""
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -90,14 +91,9 @@ def figure_of(tests: Sequence[Any]) -> Figure:
     """Draw all courses, their mean with s, and the band of the next test."""
     known = [test for test in tests if test.course is not None]
     rows = tuple(EnsembleRow(test.name, {}, {"cof": test.course}) for test in known)
+    looks = itertools.cycle(Look(colour, width=0.7) for colour in describe.GROUPS)
     lines = [
-        Line(
-            test.course[0],
-            test.course[1],
-            in_legend(test.name),
-            Look(describe.GROUPS[k % len(describe.GROUPS)], width=0.7),
-        )
-        for k, test in enumerate(known)
+        Line(t.course[0], t.course[1], in_legend(t.name), look) for t, look in zip(known, looks, strict=False)
     ]
     course = Group("tests", rows).courses("cof")
     if course is not None and len(known) > 1:

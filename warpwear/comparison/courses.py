@@ -1,5 +1,6 @@
 """Whether a run has the start, the rise and the level of a measured course of friction, a row for each."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -36,32 +37,26 @@ def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
     jump, steady, end = events.jump, events.steady, float(course[0][-1])
     first, whole = float(experiment.distance[0]), float(experiment.distance[-1])
     until = jump.start if jump else first + START * (whole - first)
-    rows = [("start", _mean(experiment.course, first, until), _mean(course, first, until), 0.0, "")]
-    if jump is not None:
+    friction = run.study.friction
+    inputs = {"level": friction.ends_as_given, "start": friction.fitted in ("initial", "coulomb")}
+
+    def of_cof(name: str, measured: float, computed: float, error: float = 0.0) -> Datum:
+        return Datum(name, measured, computed, math.hypot(error, COF_ERROR * measured), "", inputs[name])
+
+    rows = [of_cof("start", _mean(experiment.course, first, until), _mean(course, first, until))]
+    if jump is not None and end >= jump.end:
         length = jump.end - jump.start
         levels = jump.low + np.array([0.1, 0.5, 0.9]) * (jump.high - jump.low)
         low, half, high = (_first(course, float(level)) for level in levels)
         error = max(length, laps.length)
-        rows += [("place of the rise", 0.5 * (jump.start + jump.end), half, error, "mm")]
-        rows += [("length of the rise", length, high - low, error, "mm")]
+        rows.append(Datum("place of the rise", 0.5 * (jump.start + jump.end), half, error, "mm"))
+        rows.append(Datum("length of the rise", length, high - low, error, "mm"))
     if steady is not None and end > steady.start:
         level = steady.value - 0.5 * steady.drift  # the mean, and not the end, of its line
-        rows += [("level", level, _mean(course, steady.start, steady.end), steady.error, "")]
+        rows.append(of_cof("level", level, _mean(course, steady.start, steady.end), steady.error))
     elif steady is None and end > 0.9 * whole:
-        rows += [("level", experiment.final_cof, mean_of_last_tenth(*course), 0.0, "")]
-    friction = run.study.friction
-    inputs = {"level": friction.ends_as_given, "start": friction.fitted in ("initial", "coulomb")}
-    return [
-        Datum(
-            name,
-            a,
-            b,
-            error if unit else float(np.hypot(error, COF_ERROR * a)),
-            unit,
-            inputs.get(name, False),
-        )
-        for name, a, b, error, unit in rows
-    ]
+        rows.append(of_cof("level", experiment.final_cof, mean_of_last_tenth(*course)))
+    return rows
 
 
 def data_by_name(
