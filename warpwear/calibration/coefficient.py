@@ -87,7 +87,8 @@ class WearCalibration(Repeated):
         count, deviation, error = len(self.volumes), self.deviation, self.uncertainty
         note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
         if error is not None:
-            note = f"(standard {'error' if count > 1 else 'uncertainty'}, {error / self.mean:.2g} of K)"
+            kind = f"error{self.scatter.source}" if count > 1 else "uncertainty"
+            note = f"(standard {kind}, {error / self.mean:.2g} of K)"
         if deviation is not None:
             scatter = f"standard deviation of {count} tests ({deviation / self.mean:.2g} of the mean)"
         if self.hardness:
@@ -107,6 +108,7 @@ class WearCalibration(Repeated):
             Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
             Row("", "standard_error_mm3_per_Nm", times(1e3, error) if count > 1 else None),
             *self._weighted("_mm3_per_Nm", factor=1e3, scientific=True),
+            *self._worst("mm³/(N·m)", 1e3),
             Row("", "uses", "exact"),
             Row("in a study", "", in_study),
             Row("", "tests", self._table()),

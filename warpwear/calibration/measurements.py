@@ -85,6 +85,7 @@ Force = Annotated[Value | None, WithError("N")]
 Distance = Annotated[Value | None, WithError("mm")]
 Height = Annotated[Value | None, WithError("um")]
 Area = Annotated[Value | None, WithError("mm^2")]
+Speed = Annotated[Value | None, WithError("mm/s")]
 Volume = Annotated[Value | None, WithError("mm^3")]
 Ratio = Annotated[Value | None, WithError()]
 Scar = Annotated[tuple[Value, ...] | None, Diameters("mm")]
@@ -96,11 +97,14 @@ class MeasuredTest(Section):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
+    name: str | None = key(None, "of the test; for `repeats` entries of one name are places of one test")
     load: Force = key(None, "normal load")
     distance: Distance = key(None, "sliding distance")
     radius: Length | None = key(None, "radius of the ball")
     track_radius: Length | None = key(None, "radius of the circle that the track runs on")
     length: Length | None = key(None, "length of the whole track")
+    stroke: Distance = key(None, "length of one stroke, where a record has no position, for `repeats`")
+    speed: Speed = key(None, "sliding speed, where a record has a time alone, for `repeats`")
     track_width: Length | None = key(
         None, "width of a track with its pile-up, where it is not found in `profile`"
     )
@@ -197,17 +201,3 @@ def size_and_error(value: Any) -> tuple[float, float | None]:
     errors = [size.error**2 for size in sizes if size.error is not None]
     apart = 0.5 * abs(numbers[0] - numbers[-1]) or None
     return statistics.fmean(numbers), math.sqrt(statistics.fmean(errors)) if errors else apart
-
-
-def weighted(values: Sequence[float], errors: Sequence[float | None]) -> tuple[float, float, float] | None:
-    """Return the mean of several values by 1/u², its standard uncertainty, and Birge's ratio.
-
-    They are mean and deviation of the posterior under a flat prior and normal errors; the ratio is how much
-    more the values scatter than these say. None of a single value, and where an uncertainty is not known.
-    """
-    weights = [error**-2.0 for error in errors if error]
-    if not 1 < len(values) == len(weights):
-        return None
-    total, each = math.fsum(weights), list(zip(values, weights, strict=True))
-    mean = math.fsum(w * v for v, w in each) / total
-    return mean, total**-0.5, math.sqrt(math.fsum(w * (v - mean) ** 2 for v, w in each) / (len(values) - 1))

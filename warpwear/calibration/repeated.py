@@ -1,12 +1,14 @@
 """One number of several tests, its mean and scatter; and what calibrates a test, for those of a list."""
 
 import math
-import statistics
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests, weighted
+from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests
+from warpwear.calibration.pair_tests import PairTest, RepeatedNumber
+from warpwear.calibration.scatter import Scatter
+from warpwear.ensembles.datum import headline
 from warpwear.errors import InputError
 from warpwear.figures.wording import counted
 from warpwear.measured.report import Report
@@ -31,19 +33,24 @@ class Repeated(Report):
         raise NotImplementedError
 
     @property
+    def scatter(self) -> Scatter:
+        """Return what they come to."""
+        return Scatter(self.values, self.errors)
+
+    @property
     def mean(self) -> float:
         """Give the mean over the tests."""
-        return statistics.fmean(self.values)
+        return self.scatter.mean
 
     @property
     def deviation(self) -> float | None:
         """Return the standard deviation of the tests, divided by n − 1; None of a single one."""
-        return statistics.stdev(self.values) if len(self.values) > 1 else None
+        return self.scatter.deviation
 
     @property
     def uncertainty(self) -> float | None:
-        """Standard uncertainty of `mean`: from the scatter of several, else of the single one."""
-        return self.errors[0] if self.deviation is None else self.deviation / math.sqrt(len(self.values))
+        """Standard uncertainty of `mean`: the larger of those by the scatter and by the tests' own."""
+        return self.scatter.error
 
     @property
     def weighted(self) -> tuple[float, float, float] | None:
@@ -51,7 +58,17 @@ class Repeated(Report):
 
         None where an uncertainty is not known, and of a single test.
         """
-        return weighted(self.values, self.errors)
+        return self.scatter.weighted
+
+    def _worst(self, unit: str, factor: float = 1.0) -> list[Row]:
+        """Declare every test beside what the others say of it, and the worst of several."""
+        tests = [
+            PairTest(f"test.{k}", {}, {"": Value(factor * value, error and factor * error)})
+            for k, (value, error) in enumerate(zip(self.values, self.errors, strict=True), 1)
+        ]
+        data = [datum for datum, _ in RepeatedNumber("", tuple(tests), (), {}, unit=unit).data]
+        rows = [Row("each by others", "headline", headline(data)), Row("", "data", [d.entry for d in data])]
+        return rows if data else []
 
     def _weighted(self, unit: str, *, factor: float = 1.0, scientific: bool = False) -> list[Row]:
         """Declare the mean by the uncertainties of several tests themselves. unit: end of its key."""
@@ -97,10 +114,11 @@ class CalibratedTests(Repeated):
 
     def _rows(self) -> list[Row]:
         row, unit = self.headlines[0], self.headlines[0].ending
-        note = "" if self.uncertainty is None else "(standard uncertainty)"
+        note = "" if self.uncertainty is None else f"(standard uncertainty{self.scatter.source})"
         scatter = Row("scatter", f"standard_deviation{unit}", self.deviation, digits=2)
         mean = replace(row, value=self.mean, error=self.uncertainty, note=note)
-        return [mean, scatter, *self._weighted(unit), Row("", "tests", self._table())]
+        more = *self._weighted(unit), *self._worst(row.units)
+        return [mean, scatter, *more, Row("", "tests", self._table())]
 
     def _table(self) -> list[list[Row]]:
         named = zip(self.tests, self.headlines, strict=True)

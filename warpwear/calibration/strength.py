@@ -141,7 +141,7 @@ def calibrate_friction(
     <shear strengths [MPa]: given 3.828>
     >>> repeats = [{"friction": "0.6 +- 0.02"}, {"friction": "0.63 +- 0.02"}]
     >>> warpwear.calibrate_friction(repeats, area="1.254 mm^2", load="8 N")
-    <τ0 of 2 tests: 3.923 ± 0.096 MPa (standard uncertainty)>
+    <τ0 of 2 tests: 3.923 ± 0.096 MPa (standard uncertainty by their scatter)>
     """
     o = Options(result=result, cof=cof, ploughing=ploughing, area=area, load=load, experiment=experiment)
     o |= {"columns": columns, "stroke": stroke, "speed": speed}

@@ -15,6 +15,7 @@ from warpwear.cli.calibrate import calibrate
 from warpwear.cli.compare import compare
 from warpwear.cli.new import new
 from warpwear.cli.record import record
+from warpwear.cli.repeats import repeats
 from warpwear.cli.result import animate, export_command, plot, report
 from warpwear.cli.run import run
 from warpwear.cli.study import list_materials, show, studies
@@ -124,5 +125,5 @@ def commands() -> None:
 
 
 _OF_RUNS = (run, new, studies, show, plot, animate, export_command, list_materials)
-for command in (*_OF_RUNS, surface, record, compare, sweep, calibrate, report):
+for command in (*_OF_RUNS, surface, record, repeats, compare, sweep, calibrate, report):
     commands.add_command(command)

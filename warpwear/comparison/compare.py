@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
+from warpwear.comparison.courses import rms_of_constant
 from warpwear.comparison.figures import FIGURES, figures_of
 from warpwear.comparison.groups import RunData, folders_of, grouped, is_sweep, read_run, unlike
 from warpwear.comparison.notes import notes_of
@@ -193,9 +194,10 @@ def _read_experiments(paths: list[Path], taken: Sequence[str], **options: Any) -
 
 
 def _beside(run: RunData, experiments: Iterable[Experiment]) -> RunData:
-    """Add to the end values of a run how its coefficient of friction differs from measured courses (rms)."""
+    """Add to the end values how friction differs from measured courses (rms), and these from constants."""
     course = run.courses.get("cof")
     rms = {f"rms_cof {e.name}": course and rms_difference(course, e.course) for e in experiments}
+    rms |= {f"rms_constant {e.name}": course and rms_of_constant(e.course, course) for e in experiments}
     return replace(run, ends={**run.ends, **rms})
 
 

@@ -4,10 +4,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from warpwear.comparison.courses import told_of
 from warpwear.comparison.figures import figures_of
 from warpwear.comparison.groups import differences, told
 from warpwear.comparison.scar import record_of
 from warpwear.comparison.table import Comparison
+from warpwear.ensembles.datum import lines_of_data
 from warpwear.ensembles.page import answers_of, link_to
 from warpwear.figures.sections import under_headings
 from warpwear.figures.wording import counted, few_of
@@ -45,6 +47,8 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
         "differ": _differ(comparison),
         "answers": answers_of(comparison, inputs),
         "notes": comparison.notes,
+        "told": [*told_of(comparison.data)],
+        "each_datum": {name: lines_of_data(rows) for name, rows in comparison.data.items()},
         "scar": record_of(comparison.scar) if comparison.scar is not None else None,
         "readings": comparison.readings,
         "limits": [*told(limits, runs, of_all=False)],

@@ -4,8 +4,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from warpwear.comparison.courses import data_by_name, told_of
 from warpwear.comparison.groups import RunData
 from warpwear.comparison.scar import ScarComparison, lines_of, record_of
+from warpwear.ensembles.datum import Datum
 from warpwear.ensembles.ensemble import Ensemble
 from warpwear.ensembles.page import titled, with_scatter
 from warpwear.ensembles.table import write_csv
@@ -42,8 +44,14 @@ class Comparison(Ensemble[RunData]):
     def quantities(self) -> dict[str, Quantity]:
         """Return all end values, and the differences from each experiment, by the names of columns."""
         names = {f"rms_cof {e.name}": f"CoF − {e.name} (rms)" for e in self.experiments}
+        names |= {f"rms_constant {e.name}": f"a constant − {e.name} (rms)" for e in self.experiments}
         rms = {name: replace(ENDS["cof"], name=name, label=label) for name, label in names.items()}
         return ENDS | rms
+
+    @property
+    def data(self) -> dict[str, list[Datum]]:
+        """Set each measured course beside each group of runs, a row a datum, by the names of both."""
+        return data_by_name(self.groups, self.experiments)
 
     @property
     def readings(self) -> list[str]:
@@ -81,7 +89,7 @@ def to_text(comparison: Comparison) -> str:
     if comparison.scar is not None:
         sentences += lines_of(comparison.scar)
     notes = [f"note: {note}" for note in comparison.notes]
-    return "\n".join([*aligned(cells), *sentences, SHAPES, *notes])
+    return "\n".join([*told_of(comparison.data), *aligned(cells), *sentences, SHAPES, *notes])
 
 
 def write_table(comparison: Comparison, path: Path) -> None:
@@ -111,6 +119,7 @@ def write_json(comparison: Comparison, path: Path) -> None:
         "shapes": SHAPES,
         "end_values": {run.name: run.summary.end_values for run in comparison.rows},
         "notes": comparison.notes,
+        "data": {name: [datum.entry for datum in rows] for name, rows in comparison.data.items()},
         "scar": None if comparison.scar is None else record_of(comparison.scar),
         "version": __version__,
     }

@@ -115,6 +115,9 @@ def test_a_course_that_the_study_misses_is_the_headline(tmp_path: Path) -> None:
         ["its", "shape,"],
     ]
     assert rows[0]["off"] > 3.0
+    assert rows[0]["measured"] == pytest.approx(0.6, abs=0.02)
+    assert all(row["fitted"] for row in rows)
+    assert f"the worst {max(row['off'] for row in rows):.1f} apart; all were fitted" in text
     write_report(inference, tmp_path)
     assert not (tmp_path / "calibrated.toml").exists()
     written = (tmp_path / "fitted.toml").read_text(encoding="utf-8")

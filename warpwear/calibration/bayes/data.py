@@ -18,8 +18,8 @@ from warpwear.calibration.measurements import (
     in_file,
     size_and_error,
     tests_of,
-    weighted,
 )
+from warpwear.calibration.scatter import Scatter
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -131,7 +131,7 @@ class Data:
     def between(self) -> float:
         """Return the standard deviation of levels of repeated courses over their last thirds; 0 of one."""
         levels = [float(course.cof[course.thirds[-1]].mean()) for course in self.courses if course.thirds]
-        return float(np.std(levels, ddof=1)) if len(levels) > 1 else 0.0
+        return (Scatter(levels, ()).deviation or 0.0) if levels else 0.0
 
     @property
     def repeated(self) -> bool:
@@ -171,7 +171,8 @@ def _repeated(values: list[MeasuredValue]) -> tuple[list[MeasuredValue], list[st
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
-        if (mean := weighted([v.value for v in same], [v.error for v in same])) and (ratio := mean[2]) > 1.0:
+        mean = Scatter([v.value for v in same], [v.error for v in same]).weighted
+        if mean and (ratio := mean[2]) > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "

@@ -15,15 +15,12 @@ import numpy as np
 
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.measurements import KINDS
+from warpwear.ensembles.datum import CONTRADICTION
 from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
 
-#: Standard uncertainties from which a computed value and a measured one contradict each other.
-CONTRADICTION = 3.0
 #: Part of the test over which residuals go together from where on the computed course has another shape.
 OTHER_SHAPE = 0.5
-#: Part of the measured level by which a study misses a course of friction, beside `CONTRADICTION`.
-MISSED = 0.1
 #: Standard uncertainty of a measured coefficient of friction as a part of it, at least.
 COF_ERROR = 0.02
 #: Start of a sentence on measurements that the study misses.
@@ -222,12 +219,14 @@ def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dic
     for measured in (*posterior.data.values, *posterior.data.points):
         if measured.kind == "friction":
             mean = posterior.model.cof(values, np.array([measured.at]))[:, 0]
-            variance = np.zeros(len(mean))
+            errors = posterior.model.friction(values, np.array([measured.at])).errors
+            variance = (errors[..., 0] ** 2).sum(axis=1)
         else:
             mean, variance = posterior.model.value(values, measured.kind)
         off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
         numbers = {"mean": float(mean.mean()), "sd": float(np.sqrt(mean.var() + variance.mean())), "off": off}
-        rows.append({"what": measured.text, **numbers, "unit": measured.unit})
+        given = {"measured": measured.value, "error": measured.error, "fitted": True}
+        rows.append({"what": measured.text, **numbers, "unit": measured.unit, **given})
     return rows + _friction_rows(posterior, values)
 
 
@@ -259,7 +258,8 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             value, mean = float(measured[0]), float(computed.mean())
             off = abs(mean - value) / float(np.hypot(error, np.sqrt(variance)))
             row = {"what": f"{course.name}: {what} {value:.3g} ± {error:.2g}", "mean": mean, "sd": deviation}
-            rows.append(row | {"off": off, "unit": "", "missed": abs(mean - value) > MISSED * abs(level)})
+            given = {"measured": value, "error": error, "fitted": True}
+            rows.append(row | {"off": off, "unit": ""} | given)
     return rows
 
 
@@ -267,21 +267,16 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
     """Say what the study cannot bring together, in sentences."""
     some = {key: column[:DRAWS] for key, column in values.items()}
     lines = []
-    measured = (*posterior.data.values, *posterior.data.points)
-    rows = computed(posterior, some)
-    for row in sorted(rows[len(measured) :], key=lambda row: -float(row["off"])):  # the worst is the headline
-        if row["off"] > CONTRADICTION and row["missed"]:
+    rows, values_of = computed(posterior, some), (*posterior.data.values, *posterior.data.points)
+    each = [*zip(rows, [value.kind for value in values_of] + [""] * len(rows), strict=False)]
+    for row, kind in sorted(each, key=lambda pair: -float(pair[0]["off"])):  # the worst is the headline
+        if row["off"] > CONTRADICTION:
+            course = "" if kind else ", for it misses the course of friction"
             lines.append(
-                f"{CONFLICT}, for it misses the course of friction: measured is {row['what']}; computed is "
+                f"{CONFLICT}{course}: measured is {row['what']}; computed is "
                 f"{row['mean']:.3g} ± {row['sd']:.2g}, {row['off']:.0f} standard uncertainties apart."
             )
-    for row, value in zip(rows, measured, strict=False):
-        if row["off"] > CONTRADICTION:
-            lines.append(
-                f"{CONFLICT}: measured is {row['what']}; computed is "
-                f"{row['mean']:.3g}, {row['off']:.0f} standard uncertainties apart."
-            )
-            lines += _scar_by_volume(posterior) if value.kind != "friction" else []
+            lines += _scar_by_volume(posterior) if kind not in ("", "friction") else []
     if lines:
         lines = list(dict.fromkeys(lines))
         lines.append(

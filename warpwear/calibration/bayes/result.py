@@ -306,11 +306,12 @@ class Inference:
         """Write table and sentences for the screen."""
         what = "fitted unknowns of a study that misses its data" if self.misses else "unknowns after the test"
         lines = [*self.conflicts[: self.misses], *_titled(f"{self.study.study.name}: {what}", self._cells)]
-        apart = []
+        apart, worst = [], 0.0
         for row in self.computed():
+            worst = max(worst, row["off"])
             value = f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip()
             apart.append([row["what"], value, f"{row['off']:.1f} standard uncertainties apart"])
-        lines += _titled("measured and computed", apart)
+        lines += _titled(f"measured and computed, the worst {worst:.1f} apart; all were fitted", apart)
         lines += [f"  {sentence}" for sentence in self.sentences[self.misses :]]
         if self.tests:
             tests = [[t.label, counted(t.repeats, "test"), f"± {100 * t.expected:.2g} %"] for t in self.tests]

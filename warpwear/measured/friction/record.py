@@ -69,6 +69,7 @@ class FrictionRecord(FileReport, WrittenAsFolder):
             "version": __version__,
             "lines": lines(self.rows),
             "how": HOW,
+            "files": "record",
             "sections": under_headings(figures, SECTIONS),
         }
         return write_report(

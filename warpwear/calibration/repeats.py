@@ -1,0 +1,348 @@
+"""Several tests of one pair in one answer: means, their scatter, and where the next test will lie."""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpwear.calibration.measurements import OFF, MeasuredTest, Value, checked_tests
+from warpwear.calibration.pair_tests import CONDITIONS, PairTest, RepeatedNumber
+from warpwear.calibration.repeats_text import figure_of, text_of
+from warpwear.calibration.scatter import HELD, PRIOR, Scatter
+from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
+from warpwear.ensembles.datum import COLUMNS, Datum, headline, lines_of_data
+from warpwear.ensembles.ensemble import EnsembleRow, Group
+from warpwear.ensembles.table import write_csv
+from warpwear.errors import InputError, named_in_python
+from warpwear.figures import style
+from warpwear.figures.describe import Figure
+from warpwear.figures.sections import under_headings
+from warpwear.figures.wording import counted
+from warpwear.measured.experiment import Experiment
+from warpwear.measured.friction.analysis import RecordStep, analyse
+from warpwear.measured.friction.events import events_of, laps_of
+from warpwear.measured.friction.report import notes_of
+from warpwear.measured.motion import Motion
+from warpwear.measured.options import quantity
+from warpwear.measured.report import Report
+from warpwear.measured.rows import read_rows
+from warpwear.page.folder import WrittenAsFolder, write_report
+from warpwear.page.html import page_of
+from warpwear.results.folder import check_folder
+from warpwear.results.report import Row, entries, to_json
+from warpwear.version import __version__
+
+#: What every folder of repeats has, and its page.
+MARK, PAGE = "repeats.json", "repeats.html"
+#: Number of a test -> its label and its unit.
+ASKED = {
+    "level": ("level of friction", ""),
+    "incubation": ("incubation", "mm"),
+    "jump": ("length of the jump", "mm"),
+    "overshoot": ("overshoot", ""),
+    "k_counter": ("K of the ball", "mm³/(N·m)"),
+    "k_disc": ("K of the disc", "mm³/(N·m)"),
+    "k": ("K", "mm³/(N·m)"),
+}
+HOW = (
+    "Mean ± s: arithmetic mean and standard deviation (n − 1) of the tests, by the trend of one load.",
+    "Scatter and next test: ln y = θ + Σ β ln x + t + ε, t normal with the scatter s between tests, ε with "
+    f"the error of each; the prior of s is half-normal, {PRIOR:g}; {100 * HELD:g} % of next tests lie there.",
+    "Left out: tests that lie in the interval that the others give. Needed: tests for the wanted error.",
+    "Measured and computed: each test beside what the others say of it, in errors of both.",
+    "Places of one test, entries with one name or steps of a record, are a mean and not tests.",
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class RepeatedTests(Report, WrittenAsFolder):
+    """Several tests of one pair have means, scatter, and an interval for the next test; `print` shows them.
+
+    Attributes
+    ----------
+    tests : tuple of PairTest
+        Conditions, numbers and course of each.
+    found : dict
+        Name of a number -> its mean, s, n, scatter, interval, trend.
+    than : RepeatedTests or None
+        Another pair, to which differences are told.
+    wanted : float
+        Standard error of a mean, as a part of it, for which tests are counted.
+    """
+
+    tests: tuple[PairTest, ...]
+    found: Mapping[str, RepeatedNumber]
+    than: "RepeatedTests | None" = None
+    wanted: float = 0.05
+
+    @cached_property
+    def data(self) -> list[Datum]:
+        """Give a row for each datum: measured, what the other tests say, (difference)/error."""
+        return [datum for number in self.found.values() for datum, _ in number.data]
+
+    @cached_property
+    def told(self) -> dict[str, dict[str, Any]]:
+        """Give what is told of each number, by name."""
+        return {name: number.numbers(self.wanted) for name, number in self.found.items()}
+
+    @property
+    def differences(self) -> dict[str, tuple[float, float]]:
+        """Give the difference of the means of both pairs, and its standard error, by name."""
+        other = self.than.told if self.than else {}
+        both = [(name, a, other[name]) for name, a in self.told.items() if name in other]
+        return {n: (a["pair"] - b["pair"], math.hypot(a["pair_error"], b["pair_error"])) for n, a, b in both}
+
+    def _title(self) -> str:
+        return f"{len(self.tests)} tests of one pair"
+
+    def _rows(self) -> list[Row]:
+        content = {
+            "tests": [test.name for test in self.tests],
+            "numbers": self.told,
+            "differences": self.differences,
+            "wanted_error": self.wanted,
+            "data": [datum.entry for datum in self.data],
+            "headline": headline(self.data),
+            "sentence": str(self).split("\n")[1].strip(),
+            "notes": [f"{test.name}: {note}" for test in self.tests for note in test.notes],
+            "how": list(HOW),
+        }
+        return entries(content)
+
+    def _table(self) -> list[list[Row]]:
+        return [entries({"name": name, **told}) for name, told in self.told.items()]
+
+    def _declared(self) -> Figure:
+        return figure_of(self.tests)
+
+    def __str__(self) -> str:
+        lines = text_of(self.tests, self.told, self.differences)
+        count = sum(len(test.notes) for test in self.tests)
+        more = f"; {counted(count, 'warning')} of records, on the page and in JSON" * bool(count)
+        return "\n".join([self._title(), *lines, f"  {headline(self.data)}{more}"])
+
+    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+        check_out(folder, file_format=file_format, overwrite=overwrite)
+        columns = {key: [datum.entry[key] for datum in self.data] for key in COLUMNS}
+        figures = {"courses": self._declared()} if any(test.course for test in self.tests) else {}
+        caption = "Each test, their mean and standard deviation, and where the next test will lie (90 %)."
+        content = {
+            "name": self._title().capitalize(),
+            "version": __version__,
+            "lines": [str(self), "", *lines_of_data(self.data), *self.numbers["notes"]],
+            "how": HOW,
+            "files": "repeats",
+            "sections": under_headings(figures, [("Courses", "courses", ("courses",), caption)]),
+        }
+        return write_report(
+            folder,
+            figures,
+            pages={PAGE: partial(page_of, "record.html", content)},
+            files={"repeats.csv": partial(write_csv, columns), MARK: to_json(self.numbers) + "\n"},
+            marks=[MARK],
+            file_format=file_format,
+            older=["courses"],
+        )
+
+
+def check_out(folder: Path, *, file_format: str, overwrite: bool) -> None:
+    """Raise InputError for what `write` would refuse."""
+    style.check_format(file_format)
+    check_folder(folder, [MARK], what="repeats", overwrite=overwrite)
+
+
+@named_in_python()
+def repeats(
+    tests: Any,
+    *,
+    than: Any = (),
+    at: Mapping[str, Any] | None = None,
+    wanted: float = 0.05,
+    load: Any = None,
+    radius: Any = None,
+    stroke: Any = None,
+    speed: Any = None,
+    columns: str | None = None,
+    preparation: Mapping[str, Any] | None = None,
+) -> RepeatedTests:
+    """Bring several tests of one pair into one answer: mean, scatter, and where the next test will lie.
+
+    Parameters
+    ----------
+    tests : list of path or dict, or path
+        Records of friction, TOML files with a list ``[[test]]``, or tables as of that list, such as
+        ``{"record": "test-1.csv", "profile": "track-1.txt", "length": "30 mm", "load": "5 N"}``: the keys are
+        those that docs/reference/keys.md explains. Entries with one ``name`` are places of one test.
+    than : list of path or dict, or path, optional
+        Tests of another pair, to which differences are told.
+    at : dict, optional
+        Conditions of the next test, such as ``{"load": "10 N"}``; a trend is then taken over these. Over the
+        load it is taken wherever that differs.
+    wanted : float
+        Standard error of a mean, as a part of it, for which tests are counted.
+    load, radius, stroke, speed, columns : optional
+        How records are read, as of `read_record`: the radius is the track's.
+    preparation : dict, optional
+        Keys of ``[disc]``, as text, that say how measured surfaces are read, such as ``{"pixel": "3 um"}``.
+
+    Returns
+    -------
+    RepeatedTests
+        Of level, incubation, jump, overshoot and wear coefficients of both bodies the mean, the standard
+        deviation, the scatter between tests, and the interval of the next test.
+
+    Raises
+    ------
+    InputError
+        For what cannot be read, and a trend that the tests do not tell.
+
+    References
+    ----------
+    A. Gelman, Prior distributions for variance parameters in hierarchical models, Bayesian Analysis 1 (2006)
+    515-534.
+
+    Examples
+    --------
+    >>> levels = [{"friction": f"{level} +- 0.01"} for level in (0.60, 0.63, 0.57)]
+    >>> warpwear.repeats(levels).told["level"]["s"]
+    0.03...
+    """
+    if not 0.0 < wanted < 1.0:
+        raise InputError(f"--wanted is {wanted:g}: allowed is a part of the mean, above 0 and below 1")
+    if unknown := [name for name in at or {} if name not in CONDITIONS]:
+        raise InputError(f"--at {unknown[0]} is not allowed; allowed: {', '.join(CONDITIONS)}")
+    to_be = {name: quantity(f"--at {name}", value, CONDITIONS[name]) for name, value in (at or {}).items()}
+    alike = {"load": load, "track_radius": radius, "stroke": stroke, "speed": speed}
+    given = {name: value for name, value in alike.items() if value is not None}
+    read = partial(_read, given=given, columns=columns, preparation=preparation or {})
+    taken = read(tests)
+    found = _numbers_of(taken, to_be)
+    for name in to_be:
+        if not any(name in number.over for number in found.values()):
+            raise InputError(f"--at {name}: the tests have to differ in it, or they tell no trend over it")
+    other = None
+    if than:
+        others = read(than)
+        meant = next((number.at for number in found.values() if number.over), {})
+        other = RepeatedTests(tests=others, found=_numbers_of(others, meant), wanted=wanted)
+    return RepeatedTests(tests=taken, found=found, than=other, wanted=wanted)
+
+
+def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[str, RepeatedNumber]:
+    """Gather what several tests have measured, by name. at: conditions of the next test."""
+    found = {}
+    for kind in ASKED:
+        some = tuple(test for test in tests if kind in test.values)
+        if not some or not any(test.values[kind].value for test in some):
+            continue
+        known = {name: [test.conditions.get(name, math.nan) for test in some] for name in CONDITIONS}
+        over = tuple(
+            name
+            for name, values in known.items()
+            if (name in at or name == "load")
+            and np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
+        )
+        middle = {name: math.exp(float(np.mean(np.log(known[name])))) for name in over}
+        number = RepeatedNumber(kind, some, over, {**middle, **at}, *ASKED[kind])
+        if not number.pair.is_known:
+            told = " and ".join(over)
+            raise InputError(
+                f"{len(some)} tests do not tell a trend over {told}: more, of other conditions, do"
+            )
+        found[kind] = number
+    if not found:
+        raise InputError("nothing was measured: give records of friction, or tests with a volume or a scar")
+    return found
+
+
+def _read(
+    tests: Any, *, given: Mapping[str, Any], columns: str | None, preparation: Mapping[str, Any]
+) -> tuple[PairTest, ...]:
+    """Read tests; entries of one name are places of one. Raises InputError."""
+    entries: dict[str, list[PairTest]] = {}
+    for item in [tests] if isinstance(tests, str | Path | Mapping) else tests:
+        is_list = isinstance(item, str | Path) and Path(item).suffix.lower() == ".toml"
+        some: Any = item if is_list else [item if isinstance(item, Mapping) else {"record": item}]
+        for named, test in checked_tests(some, **given).items():
+            name = test.name or (Path(test.record).stem if isinstance(test.record, str | Path) else "")
+            if not test.name and (not name or name in entries):
+                name = f"{name} {len(entries) + 1}".strip() if name else f"test.{len(entries) + 1}"
+            entries.setdefault(name, []).extend(_places(test, name, named, columns, preparation))
+    return tuple(_together(name, places) for name, places in entries.items())
+
+
+def _places(
+    test: MeasuredTest, name: str, named: str, columns: str | None, preparation: Mapping[str, Any]
+) -> list[PairTest]:
+    """Read what was measured in one entry: a place for each step of a record, the first with what is worn."""
+    steps, notes = _steps(test, columns)
+    sizes = {key: getattr(test, key) for key in CONDITIONS}
+    known = {key: size.value if isinstance(size, Value) else size for key, size in sizes.items() if size}
+    slid = test.distance or Value(sum(float(step.course.distance[-1]) for step in steps))
+    places = [_of_step(step, name, known) for step in steps] or [PairTest(name, known, {})]
+    values = dict(places[0].values)
+    if test.friction and test.friction.at:
+        raise InputError(f"{named}.friction is at a distance: allowed is that of the whole test")
+    if test.friction is not None:
+        values.setdefault("level", test.friction)
+    work = test.load or Value(places[0].conditions.get("load", 0.0)), slid
+    for source in sources_of(test):
+        kind = "_".join(filter(None, ("k", SOURCES[source].worn)))
+        if kind in values:
+            raise InputError(f"{named}.{source} is of a body whose wear is given already: give one of both")
+        if not all(each.value for each in work):
+            raise InputError(f"{named}.{source} needs a load and a distance: K is V/(F L)")
+        how = preparation if SOURCES[source].file else {}
+        worn = worn_volume(test, source, named, preparation=how)
+        k = 1e3 * worn.volume / (work[0].value * work[1].value)
+        parts = [(each.error or 0.0) / each.value for each in work]
+        error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
+        values[kind] = Value(k, error)
+    return [replace(places[0], values=values, notes=notes), *places[1:]]
+
+
+def _steps(test: MeasuredTest, columns: str | None) -> tuple[tuple[RecordStep, ...], tuple[str, ...]]:
+    """Analyse the record of a test, and say what is doubtful in it. Raises InputError."""
+    if isinstance(test.record, Experiment):
+        laps = laps_of(test.record, None)
+        return (RecordStep("", test.record, laps, events_of(laps), None, None, 0.0),), ()
+    if test.record is None:
+        return (), ()
+    sizes = {name: size.value for name in ("stroke", "speed", "load") if (size := getattr(test, name))}
+    analysis = analyse(read_rows(test.record, columns), Motion(radius=test.track_radius, **sizes))
+    return analysis.steps, tuple(notes_of(analysis)[0].value)
+
+
+def _of_step(step: RecordStep, name: str, known: Mapping[str, float]) -> PairTest:
+    """Return what happens in a step of a record. Places are known to half a lap, which is a mean."""
+    values, events, laps, count = {}, step.events, step.laps, None
+    if events.steady is not None:
+        values["level"] = Value(events.steady.value, events.steady.error)
+    if events.jump is not None:
+        values["incubation"] = Value(events.jump.start, 0.5 * laps.length)
+        values["jump"] = Value(events.jump.end - events.jump.start, 0.5 * laps.length)
+        count = laps.count(events.jump.start)
+        if events.steady is not None:
+            values["overshoot"] = Value(events.overshoot or 0.0, events.steady.error)
+    conditions = {**({"load": step.load} if step.load else {}), **known}
+    return PairTest(name, conditions, values, (1e-3 * laps.distance, laps.cof), count)
+
+
+def _together(name: str, places: Sequence[PairTest]) -> PairTest:
+    """Make one test of its places: means, with the larger of their scatter's and their own error."""
+    values = {}
+    for kind in ASKED:
+        if some := [place.values[kind] for place in places if kind in place.values]:
+            mean = Scatter(*zip(*((value, error) for value, error, _ in some), strict=True))
+            values[kind] = Value(mean.mean, mean.error)
+    rows = tuple(EnsembleRow(name, {}, {"cof": place.course}) for place in places if place.course)
+    course, counts = Group(name, rows).courses("cof"), [place.laps for place in places if place.laps]
+    mean_course = course and (course[0], np.nanmean(course[1], axis=0))
+    laps = sum(counts) / len(counts) if counts else None
+    notes = tuple(dict.fromkeys(itertools.chain(*(place.notes for place in places))))
+    return PairTest(name, places[0].conditions, values, mean_course, laps, notes)

@@ -1,0 +1,52 @@
+"""Declare the command `warpwear repeats`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from warpwear.cli.options import FORMAT, PATH, repeated
+from warpwear.cli.places import repeated_tests, written
+from warpwear.cli.surface import prepared, with_preparation
+
+
+@click.command()
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=PATH)
+@click.option("--radius", help="Radius of the track, e.g. '6 mm'.")
+@click.option("--stroke", help="Length of one stroke, where there is no position.")
+@click.option("--speed", help="Sliding speed, where there is a time alone.")
+@click.option("--load", help="Normal load, where it is not recorded.")
+@click.option("--columns", metavar="NAMES", help="Which columns of the records to take.")
+@repeated("--than", "FILE", "A test of another pair, or a list of them: the difference to it.", type=PATH)
+@repeated("--at", "KEY=VALUE", "Condition of the next test, e.g. 'load=10 N': a trend is taken over it.")
+@click.option("--wanted", type=float, default=0.05, show_default=True, help="Error, as a part of the mean.")
+@with_preparation()
+@click.option("--out", type=PATH, help="Folder for page, table and figure. [default: repeats]")
+@FORMAT
+@click.option("--overwrite", is_flag=True, help="Replace the repeats that the folder holds.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON; a folder only with --out.")
+def repeats(files: tuple[Path, ...], **options: Any) -> None:
+    """Bring several tests of one pair into one answer: mean, scatter, and where the next test will lie.
+
+    A FILE is a tribometer's record, one a test, or a TOML file with tables [[test]]: record, profile, scar,
+    volume and conditions of each. Prints the sentence for a paper; level, incubation, jump, overshoot
+    and wear coefficients with their scatter and the next test's interval; and which test the others
+    foretell the worst.
+
+    \b
+    warpwear repeats test-1.csv test-2.csv test-3.csv --radius "6 mm"
+    """
+    preparation, as_json = prepared(options), options.pop("as_json")
+    how = {"file_format": options.pop("file_format"), "overwrite": options.pop("overwrite")}
+    out = options.pop("out")
+    folder, end = out or (None if as_json else Path("repeats")), ""
+    if out is None and folder is not None and folder.exists() and not how["overwrite"]:
+        folder, end = None, f"\n{folder} is there already and was not written again: --overwrite replaces it"
+    if folder is not None:
+        repeated_tests.check_out(folder, **how)
+    at = dict(text.partition("=")[::2] for text in options.pop("at"))
+    report = repeated_tests.repeats(files, at=at, preparation=preparation, **options)
+    if folder is not None:
+        report.write(folder, **how)
+        end = f"\nwritten to {folder}/: repeats.html, repeats.csv, repeats.json, figure"
+    click.echo(written.to_json(report.numbers) if as_json else f"{report}{end}")
