@@ -122,6 +122,8 @@ def _cof(study: Study, s: Summary) -> Answer:
     cof, friction, strength = partial(_answer, ENDS["cof"], f"{s.cof:.3g}"), study.friction, s.shear_strength
     if friction.fitted == "coulomb":
         return cof(input_note="An input, constant")
+    if friction.fitted == "states":
+        return cof(input_note="An input: the run does not enter its course")
     note = f"the area that shears: {friction.area}"
     tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
     if friction.fitted == "end":

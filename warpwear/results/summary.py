@@ -243,7 +243,7 @@ def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
         _strength(study, finite(end["shear_strength"])),
         Row("", "shear_strength_of_softer_body_MPa", finite(study.pair.shear_limit)),
         *entries({"cof_area": section.area if law.strengths else None, **shapes}),
-        Row("", "cof_reference", section.coefficient),
+        Row("", "cof_reference", section.coefficient if section.fitted != "states" else None),
         _strengths(section.coefficient, others),
     ]
 
@@ -256,6 +256,8 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     source = ASSUMED if "friction.coefficient" in study.assumptions else INPUT
     if study.friction.fitted == "coulomb":
         return Row("friction", "cof", ends, sentence=f"{shown(last, 3)}{source}, at every distance")
+    if study.friction.fitted == "states":
+        return Row("friction", "cof", ends, sentence=f"{shown(first, 3)} to {shown(last, 3)}{INPUT}, by states")
     marks = {when: source if when == study.friction.fitted else "" for when in passes.WHEN}
     text = shown({f"at first{marks['initial']}": first, f"at the end{marks['end']}": last}, 3)
     area = f"(area: {study.friction.area}; relative to the end: {first / last:.3g})"
