@@ -327,9 +327,9 @@ class StatesLaw(CoulombLaw):
         """Return half a sentence on what follows the distance."""
         film, slope, metal, cover, r, e, k = (self.values[key] for key in STATES + RATES)
         return (
-            f"coefficients {film:.4g} + {slope:.4g} N under film, {metal:.4g} of bare metal, {cover:.4g} under "
-            f"cover; of the load b has lost its film, c is covered: db/dN = (1 − b)(e + r b), dc/dN = k (b − c)"
-            f", r = {r:.4g}, e = {e:.4g}, k = {k:.4g}, N in {self.values['states.per']}"
+            f"coefficients {film:.4g} + {slope:.4g} N under film, {metal:.4g} of bare metal, {cover:.4g} "
+            "under cover; of the load b has lost its film, c is covered: db/dN = (1 − b)(e + r b), dc/dN = "
+            f"k (b − c), r = {r:.4g}, e = {e:.4g}, k = {k:.4g}, N in {self.values['states.per']}"
         )
 
     @property
@@ -340,7 +340,9 @@ class StatesLaw(CoulombLaw):
     def terms(self, history: Mapping[str, FloatArray]) -> dict[str, Any]:
         """Return key -> the share of the load, that of the slope times laps or mm."""
         count = history["distance"] / (self.values[LAP] if self.values["states.per"] == "lap" else 1.0)
-        own = shares(count, **{key.removeprefix("states."): self.values[key] for key in RATES})
+        spread, seed, cover_rate = (self.values[key] for key in RATES)
+        middle = np.log(spread / seed)
+        own = shares(count, rate=spread + seed, middle=middle, cover_rate=cover_rate)
         return dict(zip(STATES, (own.filmed, own.filmed * count, own.metal, own.covered), strict=True))
 
     def coefficient(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:

@@ -4,6 +4,7 @@ db/dN = (1 − b)(e + r b): the share b loses its film, on its own by e and by b
 dc/dN = k (b − c): the share c of it is covered. b has a closed form, b − c takes one quadrature.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,16 +25,15 @@ class Shares(NamedTuple):
     covered: FloatArray
 
 
-def shares(count: FloatArray, *, spread: Any, seed: Any, cover_rate: Any) -> Shares:
+def shares(count: FloatArray, *, rate: Any, middle: Any, cover_rate: Any) -> Shares:
     """Return the shares after a count N of laps or mm.
 
-    spread r, seed e, cover_rate k: per lap or mm, numbers or arrays that broadcast with the count.
+    rate: r + e per lap or mm; middle: ln(r/e), for e may be smaller than any number; cover_rate: k. Numbers,
+    or arrays that broadcast with the count.
     """
-    rate, ratio = spread + seed, spread / seed
-    place = rate * count
-    filmed = (1.0 + ratio) * np.exp(-place) / (1.0 + ratio * np.exp(-place))
+    place, cover, both = rate * count, cover_rate / rate, 1.0 + np.exp(-middle)
+    filmed = both / (1.0 + np.exp(np.minimum(place - middle, 700.0)))
     # b − c = ∫ e^(−k(N − s)) b'(s) ds where both factors are not nothing, in lengths of 1/(r + e)
-    cover, middle = cover_rate / rate, np.log(ratio)
     low = np.maximum(np.maximum(middle - BEYOND, 0.0), place - BEYOND / np.maximum(cover, 1e-300))
     high = np.maximum(np.minimum(place, np.maximum(middle, 0.0) + BEYOND), low)
     metal: Any = 0.0
@@ -45,11 +45,15 @@ def shares(count: FloatArray, *, spread: Any, seed: Any, cover_rate: Any) -> Sha
         slope = np.exp(-np.abs(at - middle))
         terms = weights * np.exp(cover * (at - here)) * slope / (1.0 + slope) ** 2
         metal = metal + terms.sum(axis=-1)
-    metal = 0.5 * (high - low) * metal * (1.0 + 1.0 / ratio)
+    metal = 0.5 * (high - low) * metal * both
     return Shares(filmed, metal, 1.0 - filmed - metal)
 
 
-def wait_and_width(*, spread: Any, seed: Any) -> tuple[Any, Any]:
-    """Return after how many laps or mm half has lost its film, and how many it takes from 10 to 90 %."""
-    rate, ratio = spread + seed, spread / seed
-    return np.log(2.0 + ratio) / rate, np.log(9.0 * (1.0 + 0.9 * ratio) / (1.0 + 0.1 * ratio)) / rate
+def wait_and_width(*, rate: Any, middle: Any) -> tuple[Any, Any]:
+    """Return after how many laps or mm half has lost its film, and how many it takes from 10 to 90 %.
+
+    rate, middle: as of `shares`.
+    """
+    wait, width = np.logaddexp(math.log(2.0), middle), np.log(9.0)
+    width += np.logaddexp(0.0, middle + math.log(0.9)) - np.logaddexp(0.0, middle + math.log(0.1))
+    return wait / rate, width / rate

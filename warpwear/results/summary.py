@@ -257,7 +257,9 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     if study.friction.fitted == "coulomb":
         return Row("friction", "cof", ends, sentence=f"{shown(last, 3)}{source}, at every distance")
     if study.friction.fitted == "states":
-        return Row("friction", "cof", ends, sentence=f"{shown(first, 3)} to {shown(last, 3)}{INPUT}, by states")
+        return Row(
+            "friction", "cof", ends, sentence=f"{shown(first, 3)} to {shown(last, 3)}{INPUT}, by states"
+        )
     marks = {when: source if when == study.friction.fitted else "" for when in passes.WHEN}
     text = shown({f"at first{marks['initial']}": first, f"at the end{marks['end']}": last}, 3)
     area = f"(area: {study.friction.area}; relative to the end: {first / last:.3g})"

@@ -1,6 +1,7 @@
 """Analyse a record: the course of each of its steps, what happens in it, its energy and friction loops."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
+from warpwear.measured.friction.states import SPAN, StatesFit, fit_states, part_of
 from warpwear.measured.motion import Motion, spans
 from warpwear.measured.rows import RecordRows
 from warpwear.measured.tribometer import alternates, turning_points
@@ -23,7 +25,7 @@ class RecordStep:
     """A step of a record, or a record of one step, has a course of friction.
 
     load: median normal force [N], energy: load × coefficient over the distance slid [J], None where the load
-    is not known. before: distance slid in the steps before [mm].
+    is not known. before: distance slid in the steps before [mm]. states: constants of a course that jumps.
     """
 
     name: str
@@ -33,6 +35,7 @@ class RecordStep:
     load: float | None
     energy: float | None
     before: float
+    states: StatesFit | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +91,8 @@ def analyse(rows: RecordRows, motion: Motion) -> Analysis:
 
 def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordStep:
     course = experiment_of(rows, motion)
-    laps = laps_of(course, _lap(rows, motion))
+    lap = lap_of(rows, motion)
+    laps = laps_of(course, lap)
     normal = rows.table.get("normal force")
     load = motion.load
     if normal is not None and np.isfinite(normal).any():
@@ -96,10 +100,14 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     by_cycles = course.cycles is not None  # each stands for itself, those without load for nothing
     work = laps.cof.sum() * laps.length if by_cycles else np.trapezoid(course.cof, course.distance)
     energy = None if load is None else 1e-3 * load * float(work)
-    return RecordStep(name, course, laps, events_of(laps), load, energy, before)
+    events, states = events_of(laps), None
+    if events.jump is not None:
+        with suppress(InputError):  # a jump of another kind
+            (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
+    return RecordStep(name, course, laps, events, load, energy, before, states)
 
 
-def _lap(rows: RecordRows, motion: Motion) -> float | None:
+def lap_of(rows: RecordRows, motion: Motion) -> float | None:
     """Return the distance of one lap, or of two strokes [mm], None where the record does not say it."""
     table = rows.table
     if motion.stroke is not None:

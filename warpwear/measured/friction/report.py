@@ -10,6 +10,7 @@ import numpy as np
 
 from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import PENALTY, Steady
+from warpwear.measured.friction.states import states_rows
 from warpwear.results.report import Row
 from warpwear.results.report import record as record_of
 
@@ -40,7 +41,7 @@ def rows_of(analysis: Analysis) -> list[Row]:
     else:
         body = []
         for step in analysis.steps:
-            body += [Row(f"step {step.name}", "", ""), *_labelled(step_rows(step))]
+            body += [Row(f"step {step.name}", "", ""), *labelled(step_rows(step))]
         body.append(Row("", "steps", [record_of(step_rows(step)) for step in analysis.steps]))
     loops = [
         Row(f"loop of cycle {loop.cycle}", "", loop.energy, unit="mJ", digits=3) for loop in analysis.loops
@@ -50,7 +51,7 @@ def rows_of(analysis: Analysis) -> list[Row]:
     return [*head, *body, *loops, *notes_of(analysis)]
 
 
-def _labelled(rows: list[Row]) -> list[Row]:
+def labelled(rows: list[Row]) -> list[Row]:
     """Leave a step's rows to people: JSON has them under the list of steps."""
     return [replace(row, key="", unit=row.units, error=("", row.uncertainty[1])) for row in rows if row.label]
 
@@ -110,6 +111,18 @@ def step_rows(step: RecordStep) -> list[Row]:
         rows += _length("incubation", "incubation", jump.start, step)
         rows += _length("jump", "jump", jump.end - jump.start, step, levels)
         rows += [Row("", "level_before", jump.low), Row("", "level_after", jump.high)]
+    if step.states is not None:
+        metal, wait = step.states.constants["metal"], step.states.events["wait"]
+        text = f"{wait[0]:.3g} ± {wait[1]:.2g} {step.states.unit} under film, bare metal "
+        text += f"{metal[0]:.3g} ± {metal[1]:.2g}"
+        rows.append(
+            Row(
+                "three states",
+                "states",
+                states_rows(step.states),
+                sentence=f"{text}, rms {step.states.rms:.2g}; a law that fits",
+            )
+        )
     rows.append(Row("overshoot", "overshoot", events.overshoot, digits=2, note="above the steady value"))
     if events.steady is not None:
         rows += _steady_rows(events.steady)

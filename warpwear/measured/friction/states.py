@@ -18,6 +18,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.states import Shares, shares, wait_and_width
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import LapMeans, events_of, laps_of, together
+from warpwear.results.report import Row
 
 optimize = lazy.module("scipy.optimize")
 special = lazy.module("scipy.special")
@@ -61,7 +62,9 @@ class StatesFit:
     @property
     def constants(self) -> dict[str, tuple[float, float]]:
         """Map the keys of [friction.states] to their values and errors."""
-        return self._with_errors(("metal", "film", "slope", "cover", "spread", "cover_rate", "seed"), _constants)
+        return self._with_errors(
+            ("metal", "film", "slope", "cover", "spread", "cover_rate", "seed"), _constants
+        )
 
     @property
     def events(self) -> dict[str, tuple[float, float]]:
@@ -83,10 +86,10 @@ class StatesFit:
         return dict(zip(names, pairs, strict=True))
 
     def _events(self, values: FloatArray) -> FloatArray:
-        *_, cover, spread, _, seed = _constants(values)
         places = np.linspace(0.0, self.count[-1], 1000)
         peak = _course(places, values[:4], values[4:], kinetics="spreading").max()
-        return np.array([*wait_and_width(spread=spread, seed=seed), peak - cover, cover])
+        spreading = _spreading(math.exp(values[4]), values[5])
+        return np.array([*wait_and_width(**spreading), peak - values[3], values[3]])
 
 
 def fit_states(courses: Sequence[LapMeans]) -> list[StatesFit]:
@@ -95,10 +98,10 @@ def fit_states(courses: Sequence[LapMeans]) -> list[StatesFit]:
     data = [(one.distance / length, one.cof) for one, length in zip(courses, lengths, strict=True)]
     fits = [_fit(data, kinetics) for kinetics in ("spreading", "scattered")]
     return [
-        StatesFit(
-            course.unit if course.laps else "mm", length, *each, values, covariance, rms, other[2]
+        StatesFit(course.unit if course.laps else "mm", length, *each, values, covariance, rms, other[2])
+        for course, length, each, (values, covariance, rms), other in zip(
+            courses, lengths, data, *fits, strict=True
         )
-        for course, length, each, (values, covariance, rms), other in zip(courses, lengths, data, *fits, strict=True)
     ]
 
 
@@ -195,11 +198,16 @@ def _constants(values: FloatArray) -> FloatArray:
     return np.array([*values[:4], spread, math.exp(values[6]), spread * math.exp(-spread * values[5])])
 
 
+def _spreading(spread: float, wait: float) -> dict[str, float]:
+    """Return what `shares` asks for."""
+    return {"rate": spread * (1.0 + math.exp(-spread * wait)), "middle": spread * wait}
+
+
 def _columns(count: FloatArray, shape: FloatArray, kinetics: Kinetics) -> FloatArray:
-    """Return what a course is linear in, (means, 4). shape: the other values; both kinetics have one width."""
+    """Return what a course is linear in, (means, 4). shape: the other values, alike in both kinetics."""
     rate, wait, cover_rate = math.exp(shape[0]), shape[1], math.exp(shape[2])
     if kinetics == "spreading":
-        own = shares(count, spread=rate, seed=rate * math.exp(-rate * wait), cover_rate=cover_rate)
+        own = shares(count, **_spreading(rate, wait), cover_rate=cover_rate)
     else:
         deviation = LOGISTIC / NORMAL / rate
         place, turn = (count - wait) / deviation, cover_rate * deviation
@@ -216,3 +224,43 @@ def _slopes(function: Callable[[FloatArray], FloatArray], at: FloatArray) -> Flo
     """Return the derivatives of a function's values, (values, unknowns)."""
     steps = np.diag(1e-5 * np.maximum(np.abs(at), 1e-2))
     return np.column_stack([(function(at + s) - function(at - s)) / (2.0 * s.max()) for s in steps])
+
+
+def states_rows(fit: StatesFit) -> list[Row]:
+    """Declare the constants of a course, and what it does by them."""
+    per, labels = f"a {fit.unit}", {"metal": "bare metal", "spread": "spread r", "seed": "seed e"}
+    many = fit.unit if fit.unit == "mm" else f"{fit.unit}s"
+    rows = [
+        Row(
+            labels.get(name, name.replace("_", " ")),
+            name,
+            value,
+            error=error,
+            scientific=name == "seed",
+            note=per * (name not in ("metal", "film", "cover")),
+        )
+        for name, (value, error) in fit.constants.items()
+    ]
+    (wait, of_wait), (width, of_width), *others = fit.events.values()
+    wide = fit.millimetres * width, ("width_error_mm", fit.millimetres * of_width)
+    rows += [
+        Row("wait N50", f"wait_{many}", wait, error=of_wait, unit=f"{many}, half has lost its film"),
+        Row("width", f"width_{many}", width, error=of_width, unit=f"{many}, from 10 to 90 % of it"),
+    ]
+    rows += [Row("  or", "width_mm", wide[0], error=wide[1])] * (fit.unit != "mm")
+    rows += [
+        Row(name, name, value, error=error)
+        for name, (value, error) in zip(("overshoot", "level"), others, strict=True)
+    ]
+    either = f"; {fit.rms_scattered:.2g} if films' lives scatter normally: this does not tell which"
+    untold = [f"the course does not tell {name}" for name in fit.untold]
+    return [
+        *rows,
+        Row("rms", "rms", fit.rms, digits=2, note=either),
+        Row("", "rms_scattered", fit.rms_scattered),
+        Row("means", "means", fit.cof.size, note=f"up to {fit.millimetres * fit.count[-1]:.4g} mm"),
+        Row("warning", "untold", untold),
+        Row("", "fitted", list(FITTED)),
+        Row("", "values", fit.values.tolist()),
+        Row("", "covariance", fit.covariance.tolist()),
+    ]

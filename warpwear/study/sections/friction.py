@@ -76,7 +76,9 @@ class StatesSection(Section):
         0.0, "by how much that grows per lap or mm", assumed="a film that wears does not change its friction"
     )
     metal: Coefficient = key(..., "coefficient of friction of bare metal on metal")
-    cover: Coefficient = key(..., "coefficient of friction of metal under debris or oxide, which is the level")
+    cover: Coefficient = key(
+        ..., "coefficient of friction of metal under debris or oxide, which is the level"
+    )
     spread: Rate = key(..., "rate r per lap or mm at which bare metal makes more, db/dN = (1 − b)(e + r b)")
     seed: Rate = key(..., "rate e per lap or mm at which the film is lost by itself: ln(r/e)/r is the wait")
     cover_rate: Rate = key(..., "rate k per lap or mm at which bare metal is covered, dc/dN = k (b − c)")
