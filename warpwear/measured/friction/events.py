@@ -175,23 +175,16 @@ def line_with_error(values: FloatArray) -> tuple[float, float, float, float, flo
     power = float(residual @ residual)
     if power <= 1e-18 * count * middle**2:
         return middle, 0.0, rise, 0.0, float(count)
-    tau = together(residual, unknowns=2)
-    error = math.sqrt(power / count / (1.0 - 2.0 * tau / count) * tau / count)
-    return middle, error, rise, error * math.sqrt(count / square), count / tau
-
-
-def together(residual: FloatArray, *, unknowns: int) -> float:
-    """Return τ, of how many residuals (n,) each stands for one, after a fit of so many unknowns."""
-    count = residual.size
     length = 1 << (2 * count - 1).bit_length()
-    raw = np.fft.irfft(np.abs(np.fft.rfft(residual, length)) ** 2, length)[1:count]
-    raw, lags, tau = raw / float(residual @ residual), np.arange(1, count), 1.0
+    raw = np.fft.irfft(np.abs(np.fft.rfft(residual, length)) ** 2, length)[1:count] / power
+    lags, tau = np.arange(1, count), 1.0
     for _ in range(6):
-        correlation = raw + unknowns * (1.0 - lags / count) * tau / count
+        correlation = raw + 2.0 * (1.0 - lags / count) * tau / count
         ends = np.flatnonzero(correlation <= 0.0)
         last = min(int(ends[0]) if ends.size else count - 1, math.ceil(5.0 * tau) + 1)
-        tau = min(max(1.0 + 2.0 * float(correlation[:last].sum()), 1.0), count / (3.0 * unknowns))
-    return tau
+        tau = min(max(1.0 + 2.0 * float(correlation[:last].sum()), 1.0), count / 6.0)
+    error = math.sqrt(power / count / (1.0 - 2.0 * tau / count) * tau / count)
+    return middle, error, rise, error * math.sqrt(count / square), count / tau
 
 
 def _scatter(values: FloatArray) -> float:

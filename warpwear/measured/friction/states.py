@@ -17,7 +17,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.states import Shares, shares, wait_and_width
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.friction.events import LapMeans, events_of, laps_of, together
+from warpwear.measured.friction.events import LapMeans, events_of, laps_of
 from warpwear.results.report import Row
 
 optimize = lazy.module("scipy.optimize")
@@ -37,6 +37,8 @@ SPAN = 3.0
 FEWEST, RATIOS = 20, (0.5, 3.0)
 #: From 10 to 90 % of a logistic rise of rate 1, and of a normal one of deviation 1.
 LOGISTIC, NORMAL = math.log(81.0), 2.5631031310892007
+#: Fewest independent means of a course, three a constant.
+INDEPENDENT = 3.0 * len(FITTED)
 #: Part of a constant that its error may be, or the course does not tell it.
 TOLD = 0.5
 
@@ -170,7 +172,7 @@ def _fit(data: Sequence[Course], kinetics: Kinetics) -> list[tuple[FloatArray, F
     inner, outer = np.zeros((2, low.size, low.size))
     left = residuals(found.x)
     for block, residual in zip(slopes(found.x), left, strict=True):
-        tau = together(residual, unknowns=every)
+        tau = _together(residual)
         inner += block.T @ block
         outer += block.T @ block * (residual @ residual) * tau / (residual.size - every * tau)
     inverse = np.linalg.pinv(inner, hermitian=True)
@@ -196,6 +198,20 @@ def _constants(values: FloatArray) -> FloatArray:
     """Return the law's own constants of fitted values, the seed last."""
     spread = math.exp(values[4])
     return np.array([*values[:4], spread, math.exp(values[6]), spread * math.exp(-spread * values[5])])
+
+
+def _together(residual: FloatArray) -> float:
+    """Return of how many residuals each stands for one: (1 + φ)/(1 − φ) by the correlation φ of neighbours.
+
+    That is as much higher than it is computed as after a fit of a line; the other constants bend the course
+    within a jump alone.
+    """
+    count, tau = residual.size, 1.0
+    computed = float(residual[1:] @ residual[:-1]) / (float(residual @ residual) or 1.0)
+    for _ in range(10):
+        neighbours = min(max(computed + 2.0 * tau / count, -0.5), 0.95)
+        tau = min((1.0 + neighbours) / (1.0 - neighbours), count / INDEPENDENT)
+    return tau
 
 
 def _spreading(spread: float, wait: float) -> dict[str, float]:
