@@ -319,7 +319,8 @@ def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
     """The strength that is told makes the run's friction what was measured; energies follow the run."""
     study, history, laps = pair.studies[1], pair.results[1].history, pair.studies[1].laps
     energies = [calibrate_energy(result=f).energy for f in pair.folders]
-    same = study.friction.law != "shear-strength" and pair.key.startswith("wear.")  # the energy says nothing of wear
+    of_distance = study.friction.law != "shear-strength"  # the energy says nothing of wear
+    same = of_distance and pair.key.startswith("wear.")
     assert (energies[0] == energies[1]) == same
     how = {"result": pair.folders[1], "cof": 0.7}
     if refusal(pair, "calibrate friction", lambda: calibrate_friction(**how)):

@@ -17,6 +17,9 @@ from warpwear.measured.rows import read_rows
 from warpwear.results.report import Row, record
 from warpwear.study.units import TINIEST, several
 
+#: Numbers of a fit that are keys.
+KEYS = 7
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class StatesCalibration(Report):
@@ -25,8 +28,8 @@ class StatesCalibration(Report):
     Attributes
     ----------
     fits : dict
-        Name of a course -> its `constants`, `events`, both with errors, `values` with their `covariance`, and
-        `rms`; of several courses with one spread and one friction of bare metal.
+        Name of a course -> its `numbers` with errors, `values` with their `covariance`, and `rms`; of several
+        courses with one spread and one friction of bare metal.
     alone : dict
         The same of each course by itself.
     """
@@ -58,9 +61,9 @@ class StatesCalibration(Report):
 
 def _in_study(fit: StatesFit) -> str:
     """Write a fit as keys of a study; a cycle is the lap of two strokes."""
-    if fit.constants["seed"][0] < TINIEST:
+    if fit.numbers["seed"][0] < TINIEST:
         return f"none: the seed is below {TINIEST:g}, which no key is"
-    keys = ", ".join(f"{name} = {value:.4g}" for name, (value, _) in fit.constants.items())
+    keys = ", ".join(f"{name} = {value:.4g}" for name, (value, _) in [*fit.numbers.items()][:KEYS])
     per = "mm" if fit.unit == "mm" else "lap"
     return f'[friction] law = "states", [friction.states] {keys}, per = "{per}"'
 
@@ -104,7 +107,7 @@ def calibrate_states(
     Examples
     --------
     >>> found = warpwear.calibrate_states("ball-on-disc.csv", radius="6 mm", until="4 m")
-    >>> wait, error = found.fits["ball-on-disc"].events["wait"]
+    >>> wait, error = found.fits["ball-on-disc"].numbers["wait"]
     >>> round(wait)
     41
     """

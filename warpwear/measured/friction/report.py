@@ -112,7 +112,7 @@ def step_rows(step: RecordStep) -> list[Row]:
         rows += _length("jump", "jump", jump.end - jump.start, step, levels)
         rows += [Row("", "level_before", jump.low), Row("", "level_after", jump.high)]
     if step.states is not None:
-        metal, wait = step.states.constants["metal"], step.states.events["wait"]
+        metal, wait = step.states.numbers["metal"], step.states.numbers["wait"]
         text = f"{wait[0]:.3g} ± {wait[1]:.2g} {step.states.unit} under film, bare metal "
         text += f"{metal[0]:.3g} ± {metal[1]:.2g}"
         rows.append(
