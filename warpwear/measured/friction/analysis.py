@@ -1,8 +1,8 @@
 """Analyse a record: the course of each of its steps, what happens in it, its energy and friction loops."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
 from warpwear.measured.friction.states import SPAN, StatesFit, fit_states, part_of
-from warpwear.measured.motion import Motion, spans
+from warpwear.measured.motion import Motion, sliding_distance, spans
 from warpwear.measured.rows import RecordRows
 from warpwear.measured.tribometer import alternates, turning_points
 
@@ -26,6 +26,7 @@ class RecordStep:
 
     load: median normal force [N], energy: load × coefficient over the distance slid [J], None where the load
     is not known. before: distance slid in the steps before [mm]. states: constants of a course that jumps.
+    others: name and unit of a further column -> its means, (groups,), NaN where there are none.
     """
 
     name: str
@@ -36,6 +37,7 @@ class RecordStep:
     energy: float | None
     before: float
     states: StatesFit | None = None
+    others: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,25 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     if events.jump is not None:
         with suppress(InputError):  # a jump of another kind
             (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
-    return RecordStep(name, course, laps, events, load, energy, before, states)
+    return RecordStep(name, course, laps, events, load, energy, before, states, _others(rows, motion, laps))
+
+
+def _others(rows: RecordRows, motion: Motion, laps: LapMeans) -> dict[str, FloatArray]:
+    """Return the means of further columns over the laps of a course; of what has no distance none."""
+    names = [name for name in rows.table if name.endswith("]")]
+    if not names or alternates(rows):
+        return {}
+    distance = sliding_distance(rows, motion, what="column")[0]
+    starts = laps.distance - 0.5 * laps.length
+    group = np.searchsorted(starts, distance, side="right") - 1
+    inside = np.isfinite(distance) & (group >= 0) & (distance - starts[group] <= laps.length)
+    means = {}
+    for name in names:
+        known = inside & np.isfinite(rows.table[name])
+        count = np.bincount(group[known], minlength=starts.size)
+        total = np.bincount(group[known], weights=rows.table[name][known], minlength=starts.size)
+        means[name] = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return means
 
 
 def lap_of(rows: RecordRows, motion: Motion) -> float | None:

@@ -216,6 +216,19 @@ def _together(residual: FloatArray) -> float:
     return tau
 
 
+def _untold(fit: StatesFit) -> list[str]:
+    """List the constants that a course does not tell to a half."""
+    return [name for name in UNTOLD if fit.numbers[name][1] > 0.5 * abs(fit.numbers[name][0])]
+
+
+def states_text(fit: StatesFit) -> str:
+    """Say in a line what a course does."""
+    (wait, of_wait), (metal, of_metal) = fit.numbers["wait"], fit.numbers["metal"]
+    bare = f"bare metal {metal:.3g} ± {of_metal:.2g}, " * ("metal" not in _untold(fit))
+    many = "mm" if fit.unit == "mm" else f"{fit.unit}s"
+    return f"{wait:.3g} ± {of_wait:.2g} {many} under film, {bare}rms {fit.rms:.2g}; a law that fits"
+
+
 def states_rows(fit: StatesFit) -> list[Row]:
     """Declare the constants of a course, and what it does by them."""
     many = fit.unit if fit.unit == "mm" else f"{fit.unit}s"
@@ -229,7 +242,6 @@ def states_rows(fit: StatesFit) -> list[Row]:
         )
     wide = [fit.millimetres * number for number in fit.numbers["width"]]
     either = f"; {fit.rms_scattered:.2g} if films' lives scatter normally: this does not tell which"
-    untold = [name for name in UNTOLD if fit.numbers[name][1] > 0.5 * fit.numbers[name][0]]
     return [
         *rows,
         Row("  or", "width_mm", wide[0], error=wide[1]),
@@ -237,7 +249,9 @@ def states_rows(fit: StatesFit) -> list[Row]:
         Row("", "rms_scattered", fit.rms_scattered),
         Row("means", "means", fit.cof.size, note=f"up to {fit.millimetres * fit.count[-1]:.4g} mm"),
         Row(
-            "warning", "untold", [f"the course hardly tells {name}: ± half of it or more" for name in untold]
+            "warning",
+            "untold",
+            [f"the course hardly tells {name}: ± half of it or more" for name in _untold(fit)],
         ),
         Row("", "covariance", fit.covariance.tolist()),
         Row("", "values", dict(zip(FITTED, fit.values.tolist(), strict=True))),
