@@ -192,23 +192,20 @@ def without_offset(rows: RecordRows) -> RecordRows:
 
 def _sensors(rows: RecordRows) -> Iterator[str]:
     """Say where a sensor is at the end of its range, and where it shows friction without load."""
-    for role in ("cof", "friction force", "normal force"):
-        values = rows.table.get(role, np.zeros(0))
-        for end in (np.nanmax, np.nanmin) if np.isfinite(values).any() else ():
-            held = values == end(values)
-            together = np.flatnonzero(np.diff(held, prepend=False, append=False)).reshape(-1, 2)
-            longest = int(np.diff(together, axis=1).max())
-            if longest >= FEW_ROWS and end(values) != 0.0 and np.unique(values).size > 10 * FEW_ROWS:
-                title = rows.chosen[role].title
-                yield (
-                    f"Warning: '{title}' stays at {end(values):.4g}, its "
-                    f"{'largest' if end is np.nanmax else 'least'} value, for {longest} rows: the end of a "
-                    "sensor's range?"
-                )
+    for role in sorted({"cof", "friction force"} & rows.table.keys()):
+        values = rows.table[role][np.isfinite(rows.table[role])]
+        for end, which in (
+            ((values.max(), "largest"), (values.min(), "least")) if np.any(values != values[:1]) else ()
+        ):
+            held = np.flatnonzero(np.diff(values == end, prepend=False, append=False)).reshape(-1, 2)
+            longest, alike = int(np.diff(held, axis=1).max()), np.count_nonzero(np.diff(values) == 0.0)
+            if end and longest >= FEW_ROWS and alike - np.diff(held, axis=1).sum() < 0.1 * values.size:
+                where = f"stays at {end:.4g}, its {which} value, for {longest} rows"
+                yield f"Warning: '{rows.chosen[role].title}' {where}: the end of a sensor's range?"
     if offset := offset_of(rows):
-        load = float(np.nanmedian(np.abs(rows.table["normal force"])))
-        share = abs(offset) / load
-        yield f"Warning: friction without load is {offset:.3g} N, {share:.2g} of the load: --zero takes it off."
+        share = abs(offset) / float(np.nanmedian(np.abs(rows.table["normal force"])))
+        told = f"Warning: friction without load is {offset:.3g} N, {share:.2g} of the load"
+        yield f"{told}: --zero takes it off."
 
 
 def _contradictions(rows: RecordRows) -> tuple[str, ...]:
