@@ -295,8 +295,12 @@ class CoulombLaw(FrictionLaw):
     SCALES = True
     constant = COEFFICIENT
     factors = strengths = ()
-    said = ""
     formula = r"\mathrm{const}"
+
+    @property
+    def said(self) -> str:
+        """Return that there is nothing beside the coefficient."""
+        return ""
 
     @property
     def tractions(self) -> tuple[Any, Any]:

@@ -7,7 +7,7 @@ rates are fitted as logarithms. Courses share what belongs to the pair: r and th
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -87,8 +87,8 @@ def fit_states(courses: Sequence[LapMeans]) -> list[StatesFit]:
             raise InputError(f"the course has {course.cof.size} means: at least {FEWEST} are needed")
     found = zip(courses, lengths, data, _fit(data, spreading), _fit(data, scattered), strict=True)
     return [
-        StatesFit(course.unit if course.laps else "mm", length, *means, *fit, other[2])
-        for course, length, means, fit, other in found
+        StatesFit(course.unit if course.laps else "mm", length, *means, values, covariance, rms, other[2])
+        for course, length, means, (values, covariance, rms), other in found
     ]
 
 
@@ -130,8 +130,12 @@ def _columns(count: FloatArray, shape: FloatArray, kinetics: Kinetics) -> FloatA
     return np.column_stack([own.metal, own.filmed, own.filmed * count, own.covered])
 
 
+def _course_of(count: FloatArray, linear: FloatArray, kinetics: Kinetics, shape: FloatArray) -> FloatArray:
+    return np.asarray((_columns(count, shape, kinetics) * linear).sum(axis=1))
+
+
 def _course(count: FloatArray, values: FloatArray, kinetics: Kinetics) -> FloatArray:
-    return np.asarray((_columns(count, values[4:], kinetics) * values[:4]).sum(axis=1))
+    return _course_of(count, values[:4], kinetics, values[4:])
 
 
 def _slopes(function: Callable[[FloatArray], FloatArray], at: FloatArray) -> FloatArray:
@@ -167,9 +171,9 @@ def _fit(data: Sequence[Course], kinetics: Kinetics) -> list[tuple[FloatArray, F
     def slopes(joint: FloatArray) -> FloatArray:
         blocks = [np.zeros((count.size, low.size)) for _, count, _ in pairs]
         for block, (place, count, _) in zip(blocks, pairs, strict=True):
-            linear, shape = joint[place[:4]], joint[place[4:]]
-            block[:, place[:4]] = _columns(count, shape, kinetics)
-            block[:, place[4:]] = _slopes(lambda s, n=count, m=linear: _columns(n, s, kinetics) @ m, shape)
+            block[:, place[:4]] = _columns(count, joint[place[4:]], kinetics)
+            course = partial(_course_of, count, joint[place[:4]], kinetics)
+            block[:, place[4:]] = _slopes(course, joint[place[4:]])
         return np.concatenate(blocks)
 
     how: Any = {"jac": slopes, "bounds": (low, high), "x_scale": "jac"}
