@@ -13,6 +13,8 @@ from warpwear.calibration.loop import calibrate_loop as calibrate_loop
 from warpwear.calibration.repeated import CalibratedTests as CalibratedTests
 from warpwear.calibration.repeats import RepeatedTests as RepeatedTests
 from warpwear.calibration.repeats import repeats as repeats
+from warpwear.calibration.states import StatesCalibration as StatesCalibration
+from warpwear.calibration.states import calibrate_states as calibrate_states
 from warpwear.calibration.strength import FrictionCalibration as FrictionCalibration
 from warpwear.calibration.strength import calibrate_friction as calibrate_friction
 from warpwear.comparison.compare import ComparedRuns as ComparedRuns

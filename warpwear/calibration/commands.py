@@ -10,6 +10,7 @@ from typing import Any
 from warpwear.calibration import worn
 from warpwear.calibration.coat import calibrate_coat
 from warpwear.calibration.coefficient import calibrate_wear
+from warpwear.calibration.states import calibrate_states
 from warpwear.calibration.strength import calibrate_friction
 from warpwear.errors import InputError
 from warpwear.measured.options import Options, flag, quantity
@@ -21,6 +22,8 @@ SOURCES = {"--volume": "volume", "--diagonals": "scar", "--scar": "scar", "--wid
 SOURCES |= {"--section": "section", "--track": "profile", "--after": "after", "--ball": "ball"}
 #: Options whose key has the same name.
 SAME = ("--load", "--radius", "--track-radius", "--track-width", "--length")
+#: Options of a fit of three states.
+STATES = ("columns", "radius", "stroke", "speed", "load", "until", "as_json")
 _KEY = re.compile(r"\btest\.\d+\.(\w+)")
 
 
@@ -30,8 +33,20 @@ def printed(function: Callable[..., Any], *, as_json: bool, **options: Any) -> s
     return to_json(outcome.numbers) if as_json else str(outcome)
 
 
-def friction(*, experiments: Sequence[Path] = (), **options: Any) -> str:
-    """Find a shear strength, of several courses each: the text for people, or JSON. Raises InputError."""
+def friction(*, experiments: Sequence[Path] = (), law: str = "shear-strength", **options: Any) -> str:
+    """Find a shear strength, of several courses each: the text for people, or JSON. Raises InputError.
+
+    law: or "states", whose constants are found of all courses at once.
+    """
+    o = Options(options)
+    if law == "states":
+        o.refuse("--tests", "--result", "--cof", "--ploughing", "--area", why="does not go with --law states")
+        if not experiments:
+            raise InputError("--law states needs --experiment, a record of a course of friction")
+        given = {key: value for key, value in options.items() if key in STATES}
+        return printed(calibrate_states, experiments=experiments, **given)
+    o.refuse("--radius", "--until", why="needs --law states")
+    options = {key: value for key, value in options.items() if key not in ("radius", "until")}
     if len(experiments) > 1:
         return printed(calibrate_friction, **options | {"tests": [{"record": path} for path in experiments]})
     return printed(calibrate_friction, experiment=next(iter(experiments), None), **options)

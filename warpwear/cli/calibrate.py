@@ -106,9 +106,19 @@ def wear(file: Path | None, **options: Any) -> None:
 @COLUMNS
 @click.option("--stroke", metavar="L", help="--experiment: length of one pass, where it counts cycles.")
 @click.option("--speed", metavar="V", help="--experiment: sliding speed, where it has time and no distance.")
+@click.option(
+    "--law",
+    type=click.Choice(("shear-strength", "states")),
+    default="shear-strength",
+    help="states: film, bare metal and cover of courses that jump, of all --experiment at once.",
+)
+@click.option("--radius", metavar="R", help="--law states: of the track, where no column counts laps.")
+@click.option("--until", metavar="L", help="--law states: fit so far. [default: thrice the jump's end]")
 @AS_JSON
 def friction(**options: Any) -> None:
     """Find the shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
+
+    By --law states it is the constants of [friction.states] instead, which need no run.
 
     The areas of a run are contact, touched, cumulative and nominal; a fit uses the run's friction.area unless
     told otherwise. FILE is a TOML file with tables [[test]] instead: friction, or record, with load and area.

@@ -17,6 +17,7 @@ from warpwear.cli.places import records, reports, written
 @click.option("--speed", help="Sliding speed, where there is a time alone.")
 @click.option("--load", help="Normal load, where it is not recorded.")
 @click.option("--columns", metavar="NAMES", help="'DISTANCE,COF', 'TIME,FX,FZ' or 'TIME,FX,FZ,POSITION'.")
+@click.option("--zero", is_flag=True, help="Take off the friction force that is shown without load.")
 @click.option("--out", type=PATH, help="Folder for page, table and figures. [default: FILE's name + -record]")
 @FORMAT
 @click.option("--overwrite", is_flag=True, help="Replace the record that the folder holds.")

@@ -27,7 +27,8 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     yield from _differences(groups)
     yield from told([(run, INTERRUPTED) for run in runs if not run.summary.finished], len(runs))
     yield from told([(run, text) for run in runs for text in run.summary.warnings], len(runs))
-    for way, key in (("end", "calibrate = 'end'"), ("coulomb", "law = 'coulomb'")):
+    ways = {"end": "calibrate = 'end'", "coulomb": "law = 'coulomb'", "states": "law = 'states'"}
+    for way, key in ways.items():
         if inputs := [r.name for r in runs if r.study.friction.fitted == way and "cof" in r.courses]:
             yield (
                 f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.{key}), "

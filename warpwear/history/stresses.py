@@ -25,7 +25,7 @@ def traction_of(study: Study, snapshot: Snapshot, row: Mapping[str, float]) -> F
     pressure, cof, ploughing = snapshot.pressure, row["cof"], study.friction.ploughing
     if not math.isfinite(cof):
         return np.zeros_like(pressure)
-    if study.friction.law == "coulomb":
+    if study.friction.law != "shear-strength":
         return np.asarray(cof * (pressure - _held(study, snapshot, row)))
     touched = pressure > 0.0
     sheared = (cof - ploughing) * float(pressure.sum()) / max(int(touched.sum()), 1)

@@ -184,5 +184,5 @@ def _friction(study: Study, s: Summary) -> str:
     if fitted is None:
         how = "assumed" if "friction.shear_strength" in assumed else "given"
         return f"predicted from the area, by a shear strength that is {how}"
-    where = {"end": ", at the end", "initial": ", at the start", "coulomb": ""}[fitted]
+    where = {"end": ", at the end", "initial": ", at the start", "coulomb": "", "states": ""}[fitted]
     return ("assumed" if "friction.coefficient" in assumed else "given") + where

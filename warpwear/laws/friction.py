@@ -17,6 +17,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.archard import Scales, decay_integral
 from warpwear.laws.junctions import junction_strength
 from warpwear.laws.passes import WHEN, Laps, When, mean_over, within
+from warpwear.laws.states import shares
 
 #: A load [N], or one a step.
 Load = float | FloatArray
@@ -62,9 +63,16 @@ RUNNING_IN = StrengthFactor(
     scales=True,
 )
 FACTORS = (RUNNING_IN,)
+#: Keys of what film, its wear, bare metal and cover have, which friction of three states is linear in, ...
+STATES = tuple(f"states.{key}" for key in ("film", "slope", "metal", "cover"))
+#: ... and of the rates by which these share the load.
+RATES = tuple(f"states.{key}" for key in ("spread", "seed", "cover_rate"))
 #: Keys of [friction] that are numbers of the law.
 NUMBERS = (PLOUGHING, STRENGTH, FILM_STRENGTH, *(key for factor in FACTORS for key in factor.keys))
-KEYS = (*NUMBERS, *FITTED, LARGEST, "area")
+NUMBERS += STATES + RATES
+KEYS = (*NUMBERS, *FITTED, LARGEST, "area", "states.per")
+#: Sliding distance of a lap, or of two strokes [mm]: beside the keys, None where there is none.
+LAP = "lap"
 
 
 @dataclass(frozen=True)
@@ -172,6 +180,10 @@ class FrictionLaw(Scales):
         else:
             tau, area = self.strength(history, load=load, **fit), history[f"area_{self.area}"]
         return np.asarray(self.values[PLOUGHING] + tau * area / load)
+
+    def terms(self, history: Mapping[str, FloatArray]) -> dict[str, Any]:
+        """Return key -> what it multiplies in the coefficient, for what no area shears."""
+        return {self.constant: np.ones_like(history["distance"])}
 
     def __call__(self, *, pressure: Any, distance: Any = 0.0, bare_fraction: Any = 1.0) -> FloatArray:
         """Return the shear stress of cells [MPa]; its mean over that of their pressures is the friction.
@@ -283,8 +295,12 @@ class CoulombLaw(FrictionLaw):
     SCALES = True
     constant = COEFFICIENT
     factors = strengths = ()
-    said = ""
     formula = r"\mathrm{const}"
+
+    @property
+    def said(self) -> str:
+        """Return that there is nothing beside the coefficient."""
+        return ""
 
     @property
     def tractions(self) -> tuple[Any, Any]:
@@ -304,8 +320,46 @@ class CoulombLaw(FrictionLaw):
         return {}
 
 
+class StatesLaw(CoulombLaw):
+    """A film is lost, bare metal is left and gets covered: each has its coefficient; a law that fits."""
+
+    constant = STATES[0]
+    formula = r"(1 - b) (\mu_\mathrm{f} + s N) + (b - c) \mu_\mathrm{m} + c \mu_\mathrm{c}"
+
+    @property
+    def said(self) -> str:
+        """Return half a sentence on what follows the distance."""
+        film, slope, metal, cover, r, e, k = (self.values[key] for key in STATES + RATES)
+        return (
+            f"coefficients {film:.4g} + {slope:.4g} N under film, {metal:.4g} of bare metal, {cover:.4g} "
+            "under cover; of the load b has lost its film, c is covered: db/dN = (1 − b)(e + r b), dc/dN = "
+            f"k (b − c), r = {r:.4g}, e = {e:.4g}, k = {k:.4g}, N in {self.values['states.per']}"
+        )
+
+    @property
+    def tractions(self) -> tuple[Any, Any]:
+        """Return that no part of the pressure shears at all distances, and no strength."""
+        return math.nan, 0.0
+
+    def terms(self, history: Mapping[str, FloatArray]) -> dict[str, Any]:
+        """Return key -> the share of the load, that of the slope times laps or mm."""
+        count = history["distance"] / (self.values[LAP] if self.values["states.per"] == "lap" else 1.0)
+        spread, seed, cover_rate = (self.values[key] for key in RATES)
+        middle = np.log(spread / seed)
+        own = shares(count, rate=spread + seed, middle=middle, cover_rate=cover_rate)
+        return dict(zip(STATES, (own.filmed, own.filmed * count, own.metal, own.covered), strict=True))
+
+    def coefficient(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:
+        """Return μ of every step."""
+        return np.asarray(sum(self.values[key] * term for key, term in self.terms(history).items()))
+
+    def __call__(self, *, pressure: Any, distance: Any = 0.0, bare_fraction: Any = 1.0) -> FloatArray:
+        """Return the shear stress of cells [MPa], in proportion to their pressures."""
+        return np.asarray(self.coefficient({"distance": np.asarray(distance)}) * pressure)
+
+
 #: Value of `friction.law` -> law.
-FRICTION_LAWS = {"shear-strength": FrictionLaw, "coulomb": CoulombLaw}
+FRICTION_LAWS = {"shear-strength": FrictionLaw, "coulomb": CoulombLaw, "states": StatesLaw}
 
 
 def friction_energy(

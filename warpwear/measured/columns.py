@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,6 +113,24 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
                 raise
             continue
         columns[role] = Column(roles[role][0], title, factor)
+    return columns
+
+
+def further(record: Record, chosen: dict[str, Column]) -> dict[str, Column]:
+    """Return the columns of numbers with a unit that play no role, by name and unit: 'temperature [°C]'."""
+    taken, columns = {column.index for column in chosen.values()}, {}
+    for index in range(record.table.width):
+        name, unit = _title(record, index)
+        if (
+            index in taken
+            or unit.lower() in WITHOUT_UNIT
+            or _known(record, name)
+            or _role(record, name, unit)
+        ):
+            continue
+        with suppress(InputError):  # of words
+            record.columns([index])
+            columns[f"{name} [{unit}]"] = Column(index, record.names[index], 1.0)
     return columns
 
 

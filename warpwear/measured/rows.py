@@ -1,7 +1,7 @@
 """Hold the rows of a record of friction in mm, s and N, of one file or of many, with its recipe's steps."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +11,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.columns import Column, choose
+from warpwear.measured.columns import Column, choose, further
 from warpwear.measured.record import Record, read_record
 from warpwear.study.units import several
 
@@ -23,14 +23,16 @@ Paths: TypeAlias = str | Path | Sequence[str | Path]
 COUNTED = ("time", "distance", "laps", "cycle")
 #: Relative difference of a coefficient from the ratio of the forces beside it that is told.
 OTHER_RATIO = 0.05
+#: Part of the largest normal force below which there is no load, and rows that make a sensor's end or offset.
+UNLOADED, FEW_ROWS = 0.02, 5
 
 
 @dataclass(frozen=True, eq=False)
 class RecordRows:
     """A record has rows of quantities, in steps one after another.
 
-    table: role -> values [mm, s, N, turns a minute, 1], shape (rows,), NaN where missing. step: of each row,
-    counted from 0, shape (rows,); steps: their names.
+    table: role -> values [mm, s, N, turns a minute, 1], shape (rows,), NaN where missing; what plays no role
+    by name and unit. step: of each row, counted from 0, shape (rows,); steps: their names.
     """
 
     path: Path
@@ -107,6 +109,7 @@ def _rows_of(path: Path, columns: str | None) -> RecordRows:
     """Read the rows of one file. Raises InputError."""
     record = read_record(path)
     chosen = choose(record, columns)
+    chosen |= further(record, chosen)
     numbered = chosen.pop("step", None)
     values = record.columns([column.index for column in chosen.values()])
     table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
@@ -115,7 +118,7 @@ def _rows_of(path: Path, columns: str | None) -> RecordRows:
     if "load" in table and "normal force" not in table:  # what was set, where nothing was measured
         table["normal force"], chosen["normal force"] = table.pop("load"), chosen.pop("load")
     rows = RecordRows(path, record.format.name, table, chosen, step, names, record.notes)
-    return _continued(replace(rows, warnings=_contradictions(rows)))
+    return _continued(replace(rows, warnings=(*_contradictions(rows), *_sensors(rows))))
 
 
 def _steps(record: Record, numbered: Column | None) -> tuple[Indices, tuple[str, ...], Mask]:
@@ -162,6 +165,47 @@ def _continued(rows: RecordRows) -> RecordRows:
             table[role][known] = values + np.cumsum(shift)
             notes.append(f"The {role} begins anew with steps, and goes on here.")
     return replace(rows, table=table, notes=tuple(dict.fromkeys(notes)))
+
+
+def offset_of(rows: RecordRows) -> float:
+    """Return the friction that a machine shows without load [N], 0 where it never slides or rests so."""
+    if not {"friction force", "normal force"} <= rows.table.keys():
+        return 0.0
+    friction, normal = rows.table["friction force"], np.abs(rows.table["normal force"])
+    unloaded = friction[np.isfinite(friction) & (normal < UNLOADED * np.nanmax(normal))]
+    if unloaded.size < FEW_ROWS:
+        return 0.0
+    middle, spread = float(np.median(unloaded)), float(np.std(unloaded)) / np.sqrt(unloaded.size)
+    return middle if abs(middle) > 3.0 * spread else 0.0
+
+
+def without_offset(rows: RecordRows) -> RecordRows:
+    """Return rows whose friction force is less by that without load, and a coefficient of forces."""
+    offset, table = offset_of(rows), dict(rows.table)
+    if offset == 0.0:
+        raise InputError(f"{rows.path} shows no friction without load, which --zero would take off")
+    table["friction force"] = table["friction force"] - offset
+    table.pop("cof", None)
+    note = f"The friction without load, {offset:.3g} N, was taken off."
+    return replace(rows, table=table, notes=(*rows.notes, note), warnings=())
+
+
+def _sensors(rows: RecordRows) -> Iterator[str]:
+    """Say where a sensor is at the end of its range, and where it shows friction without load."""
+    for role in sorted({"cof", "friction force"} & rows.table.keys()):
+        values = rows.table[role][np.isfinite(rows.table[role])]
+        for end, which in (
+            ((values.max(), "largest"), (values.min(), "least")) if np.any(values != values[:1]) else ()
+        ):
+            held = np.flatnonzero(np.diff(values == end, prepend=False, append=False)).reshape(-1, 2)
+            longest, alike = int(np.diff(held, axis=1).max()), np.count_nonzero(np.diff(values) == 0.0)
+            if end and longest >= FEW_ROWS and alike - np.diff(held, axis=1).sum() < 0.1 * values.size:
+                where = f"stays at {end:.4g}, its {which} value, for {longest} rows"
+                yield f"Warning: '{rows.chosen[role].title}' {where}: the end of a sensor's range?"
+    if offset := offset_of(rows):
+        share = abs(offset) / float(np.nanmedian(np.abs(rows.table["normal force"])))
+        told = f"Warning: friction without load is {offset:.3g} N, {share:.2g} of the load"
+        yield f"{told}: --zero takes it off."
 
 
 def _contradictions(rows: RecordRows) -> tuple[str, ...]:

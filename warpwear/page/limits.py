@@ -30,8 +30,11 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "loads of a smooth contact": lambda study: study.patches.coupling == "load",
     "friction fitted": lambda study: study.friction.fitted in ("end", "initial"),
     "friction constant": lambda study: study.friction.fitted == "coulomb",
+    "friction by states": lambda study: study.friction.fitted == "states",
     "friction not fitted": lambda study: study.friction.fitted is None,
-    "empirical friction": lambda study: bool(study.friction.law_with().said),
+    "empirical friction": lambda study: (
+        study.friction.fitted != "states" and bool(study.friction.law_with().said)
+    ),
     "layered": lambda study: study.pair.profiles is not None,
     "wear in pieces": lambda study: study.wear.sheds,
     "wear by pressure": lambda study: any(law.over_pressure[0] for law in study.wear_laws),

@@ -119,7 +119,7 @@ def _cof(study: Study, s: Summary) -> Answer:
     """Answer with the coefficient of friction at the end, and say how far it is an input."""
     if s.cof is None:
         return _answer(BY_NAME["cof"], "–", note=friction_of(study, s))
-    fitted = study.friction.fitted in ("end", "coulomb")
+    fitted = study.friction.fitted in ("end", "coulomb", "states")
     note = "An input" if fitted else "Not predicted: as good as the shear strength"
     error = "as good as that input" if fitted else s.verdict.area
     return _answer(ENDS["cof"], f"{s.cof:.3g}", error=error, note=friction_of(study, s), input_note=note)

@@ -230,7 +230,7 @@ def _friction(result: ResultFile, end: dict[str, float]) -> dict[str, Any]:
         "cof_area": section.area if law.strengths else None,
         "cof_shape": _shape(result, "cof"),
         "area_shape": _shape(result, f"area_{section.area}"),
-        "cof_reference": section.coefficient,
+        "cof_reference": section.coefficient if section.fitted != "states" else None,
         "shear_strength_MPa_for_reference": others,
         **({"friction_energy_J": finite(end["friction_energy"])} if end["distance"] else {}),
     }

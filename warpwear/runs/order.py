@@ -220,7 +220,7 @@ class RunOrder:
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while it waits for the whole run."""
-        law = self.study.friction.law_with()
+        law = self.study.friction_law
         return law.coefficient(history, load=history["load"], finished=finished, laps=self.study.laps)
 
 

@@ -41,7 +41,7 @@ class RunStep:
         sum over all steps.
         """
         row = Named((name, self._booked.get(name, np.nan)) for name in self._order.columns)
-        if self._order.study.friction.fitted in (None, "coulomb"):
+        if self._order.study.friction.fitted in (None, "coulomb", "states"):
             history = {name: np.array([value]) for name, value in row.items()}
             row["cof"] = float(self._order.cof_of(history, finished=False)[0])
         return row

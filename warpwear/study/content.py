@@ -1,7 +1,7 @@
 """The content of a study: its sections, how its bodies move, and what else follows from the sections."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from functools import cached_property
 from itertools import groupby, pairwise
@@ -16,7 +16,7 @@ from warpwear.laws.archard import BODIES, WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.form import Form
 from warpwear.laws.fretting import HONEST_MEAN, Fretting
-from warpwear.laws.friction import FrictionLaw
+from warpwear.laws.friction import LAP, FrictionLaw
 from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask, FeatureLaw
@@ -166,7 +166,18 @@ class Content(Section):
     @property
     def friction_law(self) -> FrictionLaw:
         """The law by which cells shear."""
-        return self.friction.law_with()
+        return self.friction_law_with({})
+
+    def friction_law_with(self, values: Mapping[str, Any]) -> FrictionLaw:
+        """Return the law by which friction follows from a history. values: as of `Wear.laws`."""
+        return self.friction.law_with({f"friction.{LAP}": self.cycle, **values})
+
+    @property
+    def cycle(self) -> float | None:
+        """What is slid in a lap, or in two strokes [mm]; None where there are none, or blocks differ."""
+        laps = {part.sliding.lap for part in self.parts}
+        lap = laps.pop() if len(laps) == 1 else None
+        return None if lap is None else lap * (1.0 if self.sliding.track_radius else 2.0)
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:

@@ -217,7 +217,7 @@ def _of_sticking(study: Content) -> Iterator[str]:
     """Yield a sentence about a stroke so short that what the bodies yield before they slip matters to it."""
     stroke, coefficient, hertz = study.sliding.stroke, study.friction.coefficient, study.hertz
     bodies = study.counter.elastic, study.disc.elastic
-    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
+    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted in (None, "states"):
         return
     kappa = softness_ratio(*(body for body in bodies if body is not None))
     travel = 2.0 * displacement(hertz, kappa, coefficient)

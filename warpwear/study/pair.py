@@ -52,6 +52,12 @@ class Pair:
         limits = {"hardness": hardness, "shear_strength": self.friction.shear_strength}
         return depth_profiles((self.counter, self.disc), self.wear_coefficients, resolved, **limits)
 
+    @property
+    def shears_by_layer(self) -> bool:
+        """True where a layer has a shear strength or coefficient of its own."""
+        layers = (layer for body in (self.counter, self.disc) for layer in body.layers or ())
+        return any(layer.shear_strength or layer.coefficient for layer in layers)
+
     def displacement(self, force: float = math.inf) -> float:
         """Return the amplitude of unworn bodies under a force [N], by default that which slips [mm]."""
         assert self.hertz is not None  # checked with the study

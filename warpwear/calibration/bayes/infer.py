@@ -200,7 +200,7 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
     """Raise InputError for unknowns that the study does not use, and for friction that cannot be inferred."""
     unused = study.unused_keys
     for unknown in unknowns:
-        if unknown.key.removeprefix("friction.") in FITTED and study.friction.law != "coulomb":
+        if unknown.key.removeprefix("friction.") in FITTED and study.friction.law == "shear-strength":
             raise InputError(
                 f"{unknown.key} cannot be an unknown: it is measured, and fixes friction.shear_strength; "
                 "allowed is that key, with the coefficient as a measured value (--cof)"

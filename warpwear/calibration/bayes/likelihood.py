@@ -16,10 +16,10 @@ from warpwear.calibration.bayes.data import Data
 from warpwear.calibration.bayes.model import ForwardModel
 from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.grid import FloatArray
-from warpwear.laws.friction import FILM_STRENGTH, PLOUGHING, STRENGTH
+from warpwear.laws.friction import FILM_STRENGTH, PLOUGHING, STATES, STRENGTH
 
 #: Keys that friction is linear in.
-LINEAR = tuple(f"friction.{key}" for key in (PLOUGHING, STRENGTH, FILM_STRENGTH))
+LINEAR = tuple(f"friction.{key}" for key in (PLOUGHING, STRENGTH, FILM_STRENGTH, *STATES))
 #: Scatter of areas, as a part of them, that is rounding.
 EXACT = 1e-9
 #: Correlation lengths beyond which residuals are independent to the last digit.

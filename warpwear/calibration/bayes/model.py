@@ -104,12 +104,15 @@ class ForwardModel:
         values: key -> (samples,).
         """
         count, load = _count(values), self.study.contact.load
-        law = self.study.friction.law_with(_columns(values))
+        law = self.study.friction_law_with(_columns(values))
         worn = self._worn(values, distance[None])
         areas = {key: self._looked_up(*course, values, worn) for key, course in self._strengths.items()}
         area = np.sum([area for area, _, _ in areas.values()], axis=0)
-        history = columns_for(law, load, distance[None], area) if areas else {}
-        terms = {f"friction.{law.constant}": np.ones((count, distance.size))}
+        history = columns_for(law, load, distance[None], area) if areas else {"distance": distance[None]}
+        terms = {
+            f"friction.{key}": np.broadcast_to(term, (count, distance.size))
+            for key, term in law.terms(history).items()
+        }
         errors: FloatArray = np.zeros((count, 0, distance.size))
         square = np.zeros((count, distance.size))
         for key, (area, apart, scatter) in areas.items():

@@ -96,6 +96,8 @@ class FigureData:
         study, friction = self.study, self.study.friction
         if friction.fitted == "coulomb":
             return f"constant, {friction.coefficient:g}, an input"
+        if friction.fitted == "states":
+            return "by film, bare metal and cover, an input"
         if friction.shear_strength is not None:
             return f"shear strength {friction.shear_strength:g} MPa{study.pair.other_shear}, as given"
         at_end = friction.calibrate == "end"

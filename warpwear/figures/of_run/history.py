@@ -62,7 +62,7 @@ def _of_cof(data: FigureData, places: FloatArray, lines: list[Line], over: str) 
         mark = Line(places[place], np.array([friction.coefficient]), look=describe.RING, clipped=False)
         lines = [*lines, mark]
     note = f"area that shears: {BY_NAME[f'area_{friction.area}'].short}\n{data.shear}"
-    note = data.shear if friction.fitted == "coulomb" else note
+    note = data.shear if friction.law != "shear-strength" else note
     value = axis_of(BY_NAME["cof"])
     return Figure([Chart("Coefficient of friction", Axis(over, low=0.0), value, lines, note)])
 

@@ -183,7 +183,7 @@ def _end(data: FigureData) -> str:
 
 def _friction(data: FigureData) -> str:
     friction = data.study.friction
-    if friction.fitted == "coulomb":
+    if friction.law != "shear-strength":
         return f"It is {data.shear}."
     area = {"contact": "in contact", "cumulative": "of a running sum of contacts"}
     sheared = f"The area {area.get(friction.area, friction.area)} shears"

@@ -1,7 +1,8 @@
 """Analyse a record: the course of each of its steps, what happens in it, its energy and friction loops."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from warpwear.grid import FloatArray
 from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
-from warpwear.measured.motion import Motion, spans
+from warpwear.measured.friction.states import SPAN, StatesFit, fit_states, part_of
+from warpwear.measured.motion import Motion, sliding_distance, spans
 from warpwear.measured.rows import RecordRows
 from warpwear.measured.tribometer import alternates, turning_points
 
@@ -23,7 +25,8 @@ class RecordStep:
     """A step of a record, or a record of one step, has a course of friction.
 
     load: median normal force [N], energy: load × coefficient over the distance slid [J], None where the load
-    is not known. before: distance slid in the steps before [mm].
+    is not known. before: distance slid in the steps before [mm]. states: constants of a course that jumps.
+    others: name and unit of a further column -> its means, (groups,), NaN where there are none.
     """
 
     name: str
@@ -33,6 +36,8 @@ class RecordStep:
     load: float | None
     energy: float | None
     before: float
+    states: StatesFit | None = None
+    others: Mapping[str, FloatArray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +93,8 @@ def analyse(rows: RecordRows, motion: Motion) -> Analysis:
 
 def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordStep:
     course = experiment_of(rows, motion)
-    laps = laps_of(course, _lap(rows, motion))
+    lap = lap_of(rows, motion)
+    laps = laps_of(course, lap)
     normal = rows.table.get("normal force")
     load = motion.load
     if normal is not None and np.isfinite(normal).any():
@@ -96,10 +102,32 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     by_cycles = course.cycles is not None  # each stands for itself, those without load for nothing
     work = laps.cof.sum() * laps.length if by_cycles else np.trapezoid(course.cof, course.distance)
     energy = None if load is None else 1e-3 * load * float(work)
-    return RecordStep(name, course, laps, events_of(laps), load, energy, before)
+    events, states = events_of(laps), None
+    if events.jump is not None:
+        with suppress(InputError):  # a jump of another kind
+            (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
+    return RecordStep(name, course, laps, events, load, energy, before, states, _others(rows, motion, laps))
 
 
-def _lap(rows: RecordRows, motion: Motion) -> float | None:
+def _others(rows: RecordRows, motion: Motion, laps: LapMeans) -> dict[str, FloatArray]:
+    """Return the means of further columns over the laps of a course; of what has no distance none."""
+    names = [name for name in rows.table if name.endswith("]")]
+    if not names or alternates(rows):
+        return {}
+    distance = sliding_distance(rows, motion, what="column")[0]
+    starts = laps.distance - 0.5 * laps.length
+    group = np.searchsorted(starts, distance, side="right") - 1
+    inside = np.isfinite(distance) & (group >= 0) & (distance - starts[group] <= laps.length)
+    means = {}
+    for name in names:
+        known = inside & np.isfinite(rows.table[name])
+        count = np.bincount(group[known], minlength=starts.size)
+        total = np.bincount(group[known], weights=rows.table[name][known], minlength=starts.size)
+        means[name] = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return means
+
+
+def lap_of(rows: RecordRows, motion: Motion) -> float | None:
     """Return the distance of one lap, or of two strokes [mm], None where the record does not say it."""
     table = rows.table
     if motion.stroke is not None:

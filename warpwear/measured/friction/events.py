@@ -131,13 +131,14 @@ class Events:
     """What happens in a course: the distances at which its level changes [mm], a jump, what it comes to.
 
     overshoot: how far five groups in a row rise above the steady value between the jump and the steady part,
-    None for none. steady: None for a course too short.
+    None for none; overshoot_after: above the level that follows it. steady: None for a course too short.
     """
 
     changes: tuple[float, ...] = ()
     jump: Jump | None = None
     steady: Steady | None = None
     overshoot: float | None = None
+    overshoot_after: float | None = None
 
 
 def events_of(laps: LapMeans) -> Events:
@@ -155,8 +156,16 @@ def events_of(laps: LapMeans) -> Events:
         over = float(means.max()) - steady.value
         spread = _scatter(cof[first:]) / math.sqrt(BESIDE)
         overshoot = over if over > OVER * math.hypot(steady.error, spread) else None
+    beyond = None
+    if jump is not None:  # from twice to thrice as far as the jump's end is the level that follows
+        places = np.searchsorted(laps.distance, [2.0 * jump.end, 3.0 * jump.end])
+        level = cof[places[0] : places[1]]
+        if level.size >= BESIDE:
+            means = np.convolve(cof[after : places[0]], np.full(BESIDE, 1.0 / BESIDE), mode="valid")
+            over = float(means.max() - np.median(level))
+            beyond = over if over > OVER * _scatter(level) / math.sqrt(BESIDE) else None
     changes = tuple(float(0.5 * (laps.distance[k - 1] + laps.distance[k])) for k in bounds[1:-1])
-    return Events(changes=changes, jump=jump, steady=steady, overshoot=overshoot)
+    return Events(changes=changes, jump=jump, steady=steady, overshoot=overshoot, overshoot_after=beyond)
 
 
 def line_with_error(values: FloatArray) -> tuple[float, float, float, float, float]:

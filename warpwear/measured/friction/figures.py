@@ -22,7 +22,20 @@ def course_figure(analysis: Analysis) -> Figure:
         lines += _lines(step, first=number == 0, second=number == 1)
     x = Axis("distance slid, m", low=0.0)
     chart = Chart("Coefficient of friction", x, Axis("coefficient of friction, –", low=0.0), lines)
-    return Figure([chart], 1, legend=5, width=describe.PAGE, height=3.0)
+    names = dict.fromkeys(name for step in analysis.steps for name in step.others)
+    others = [
+        Chart(
+            name.partition(" [")[0].capitalize(),
+            x,
+            Axis(name.replace(" [", ", ").removesuffix("]")),
+            [
+                Line(1e-3 * (step.before + step.laps.distance), step.others[name], look=Look(describe.DISC))
+                for step in analysis.steps
+            ],
+        )
+        for name in names
+    ]
+    return Figure([chart, *others], 1, legend=5, width=describe.PAGE, height=3.0)
 
 
 def _lines(step: RecordStep, *, first: bool, second: bool) -> list[Line | Level]:

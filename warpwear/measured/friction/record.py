@@ -16,7 +16,7 @@ from warpwear.measured.friction.report import HOW, rows_of, table_of
 from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import FileReport
-from warpwear.measured.rows import Paths, read_rows
+from warpwear.measured.rows import Paths, read_rows, without_offset
 from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.page.html import page_of
 from warpwear.results.folder import check_folder
@@ -92,6 +92,7 @@ def read_record(
     speed: float | str | None = None,
     load: float | str | None = None,
     columns: str | None = None,
+    zero: bool = False,
 ) -> FrictionRecord:
     """Read a tribometer's record of friction, as its machine wrote it, and find what happens in it.
 
@@ -109,6 +110,8 @@ def read_record(
         Normal load [N], or text with a unit, where it is not recorded.
     columns
         Which columns to take: "DISTANCE,COF", "TIME,FX,FZ" or "TIME,FX,FZ,POSITION".
+    zero
+        Whether to take off the friction force that is shown without load.
 
     Returns
     -------
@@ -140,7 +143,8 @@ def read_record(
         speed=optional("--speed", speed, "mm/s"),
         load=optional("--load", load, "N"),
     )
-    analysis = analyse(read_rows(paths, columns), motion)
+    table = read_rows(paths, columns)
+    analysis = analyse(without_offset(table) if zero else table, motion)
     rows = rows_of(analysis)
     text = "\n".join([f"record {analysis.rows.path}", *lines(rows)])
     return FrictionRecord(text=text, rows=rows, draw=partial(course_figure, analysis), analysis=analysis)

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
-from warpwear.measured.friction.events import PENALTY, Steady
+from warpwear.measured.friction.events import LEAST, PENALTY, Steady, line_with_error
+from warpwear.measured.friction.states import states_rows, states_text
 from warpwear.results.report import Row
 from warpwear.results.report import record as record_of
 
@@ -40,7 +42,7 @@ def rows_of(analysis: Analysis) -> list[Row]:
     else:
         body = []
         for step in analysis.steps:
-            body += [Row(f"step {step.name}", "", ""), *_labelled(step_rows(step))]
+            body += [Row(f"step {step.name}", "", ""), *labelled(step_rows(step))]
         body.append(Row("", "steps", [record_of(step_rows(step)) for step in analysis.steps]))
     loops = [
         Row(f"loop of cycle {loop.cycle}", "", loop.energy, unit="mJ", digits=3) for loop in analysis.loops
@@ -50,7 +52,7 @@ def rows_of(analysis: Analysis) -> list[Row]:
     return [*head, *body, *loops, *notes_of(analysis)]
 
 
-def _labelled(rows: list[Row]) -> list[Row]:
+def labelled(rows: list[Row]) -> list[Row]:
     """Leave a step's rows to people: JSON has them under the list of steps."""
     return [replace(row, key="", unit=row.units, error=("", row.uncertainty[1])) for row in rows if row.label]
 
@@ -110,9 +112,16 @@ def step_rows(step: RecordStep) -> list[Row]:
         rows += _length("incubation", "incubation", jump.start, step)
         rows += _length("jump", "jump", jump.end - jump.start, step, levels)
         rows += [Row("", "level_before", jump.low), Row("", "level_after", jump.high)]
+    if step.states is not None:
+        rows.append(
+            Row("three states", "states", states_rows(step.states), sentence=states_text(step.states))
+        )
+    after = "above the level that follows"
     rows.append(Row("overshoot", "overshoot", events.overshoot, digits=2, note="above the steady value"))
+    rows.append(Row("  at the jump", "overshoot_after_jump", events.overshoot_after, digits=2, note=after))
     if events.steady is not None:
         rows += _steady_rows(events.steady)
+    rows += [row for name, means in step.others.items() for row in _other_rows(name, means, step)]
     changes = ", ".join(f"{1e-3 * at:.4g}" for at in events.changes[:CHANGES])
     more = len(events.changes) - CHANGES
     return [
@@ -125,6 +134,23 @@ def step_rows(step: RecordStep) -> list[Row]:
         Row("", "level_changes_mm", list(events.changes)),
         Row("energy", "energy_J", step.energy, digits=3, note="dissipated"),
     ]
+
+
+def _other_rows(name: str, means: FloatArray, step: RecordStep) -> list[Row]:
+    """Declare what a further column comes to: its mean, and its rate over the steady part, or over all."""
+    steady, distance = step.events.steady, step.laps.distance
+    part = (distance >= steady.start if steady else distance >= 0.0) & np.isfinite(means)
+    title, _, unit = name.removesuffix("]").partition(" [")
+    if np.count_nonzero(part) < LEAST:
+        return []
+    middle, error, rise, of_rise, _ = line_with_error(means[part])
+    length = 1e-3 * float(np.ptp(distance[part]))
+    told = [
+        Row("mean", "mean", middle, error=error, unit=unit),
+        Row("rate", "rate_per_m", rise / length if error else 0.0, error=of_rise / length, unit=f"{unit}/m"),
+    ]
+    text = f"{told[0].text}, {told[1].text}{' over the steady part' if steady else ''}"
+    return [Row(title, name, told, sentence=text)]
 
 
 def _steady_rows(steady: Steady) -> list[Row]:
@@ -160,7 +186,8 @@ def table_of(analysis: Analysis) -> str:
     several = len(analysis.steps) > 1
     unit = next((step.laps.unit for step in analysis.steps if step.laps.laps is not None), None)
     head = ["Distance [mm]", "CoF [-]", "Scatter of CoF [-]", "Points"]
-    head += ([f"{unit.capitalize()} [-]"] if unit else []) + ["Step"] * several
+    others = [*dict.fromkeys(name for step in analysis.steps for name in step.others)]
+    head += ([f"{unit.capitalize()} [-]"] if unit else []) + others + ["Step"] * several
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(head)
@@ -173,5 +200,8 @@ def table_of(analysis: Analysis) -> str:
             if unit:
                 count = laps.count(float(laps.distance[k]))
                 row.append("" if count is None else f"{count:.6g}")
+            for name in others:
+                mean = step.others[name][k] if name in step.others else math.nan
+                row.append("" if math.isnan(mean) else repr(float(mean)))
             writer.writerow([*row, *([step.name or number + 1] if several else [])])
     return text.getvalue()

@@ -7,12 +7,14 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from warpwear.laws.film import Film
-from warpwear.laws.friction import FRICTION_LAWS, KEYS, FrictionLaw
+from warpwear.laws.friction import FRICTION_LAWS, KEYS, LAP, FrictionLaw
 from warpwear.study.keys import Demand, Length, Pressure, Section, attribute_of, excludes, key, needs, when
 from warpwear.study.units import InUnit, Number, Range
 
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
+FITTED += when("friction.law", "shear-strength", "coulomb")
 SHEARS = when("friction.law", "shear-strength")
+NO_STATES = excludes("friction.law", "states", why=", whose coefficient follows no area")
 UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -27,6 +29,11 @@ fitted_key = partial(
     one_of="strength: measured",
     demands=no_cell_by_cell(", which needs friction.shear_strength itself"),
 )
+BY_STATES = when("friction.law", "states")
+Coefficient = Annotated[float, Number(Range(or_equal=True, most=3.0))]
+Rate = Annotated[float, Number(Range(most=1000.0))]
+UNLAYERED = "layers without a shear_strength or coefficient of their own"
+ONE_LAP = "laps, all of one length: sliding.stroke or sliding.track_radius; or friction.states.per = 'mm'"
 BARE_STRENGTH = needs(
     "friction.shear_strength",
     what="friction.shear_strength, the interfacial shear strength of bare metal, such as '172 MPa'",
@@ -61,13 +68,39 @@ class FilmSection(Section):
         return Film(self.thickness, on, regrowth, filmed, bared, self.shear_strength / bare if bare else 1.0)
 
 
+class StatesSection(Section):
+    """The section [friction.states] says what film, bare metal and cover have, and how they take turns."""
+
+    film: Coefficient = key(..., "coefficient of friction of what has its film, at the start")
+    slope: Annotated[float, Number(Range(least=-1.0, most=1.0))] = key(
+        0.0, "by how much that grows per lap or mm", assumed="a film that wears does not change its friction"
+    )
+    metal: Coefficient = key(..., "coefficient of friction of bare metal on metal")
+    cover: Coefficient = key(
+        ..., "coefficient of friction of metal under debris or oxide, which is the level"
+    )
+    spread: Rate = key(..., "rate r per lap or mm at which bare metal makes more, db/dN = (1 − b)(e + r b)")
+    seed: Rate = key(..., "rate e per lap or mm at which the film is lost by itself: ln(r/e)/r is the wait")
+    cover_rate: Rate = key(..., "rate k per lap or mm at which bare metal is covered, dc/dN = k (b − c)")
+    per: Literal["lap", "mm"] = key(
+        "lap",
+        "what rates and slope are of: a lap, or two strokes; or a mm slid",
+        demands=needs("cycle", of="lap", what=ONE_LAP),
+    )
+
+
 class Friction(Section):
     """The section [friction] says what fixes the coefficient of friction."""
 
-    law: Literal["shear-strength", "coulomb"] = key(
+    law: Literal["shear-strength", "coulomb", "states"] = key(
         "shear-strength",
         "the coefficient is τ0 × area / load, and ploughing; coulomb: it is friction.coefficient at every "
-        "distance, ploughing included",
+        "distance, ploughing included; states: it goes from film over bare metal to cover, whatever the area",
+        demands=needs("friction.states", of="states", what="a section [friction.states]")
+        + needs("pair.shears_by_layer", False, of="states", what=UNLAYERED),
+    )
+    states: StatesSection | None = key(
+        None, "friction that waits, jumps and settles; a law that fits", one_of="strength", applies=BY_STATES
     )
     shear_strength: Pressure | None = key(
         None,
@@ -109,7 +142,8 @@ class Friction(Section):
     junction_growth: Annotated[float, Number(Range(or_equal=True, most=100.0))] = key(
         0.0,
         "α of the cap √(H² − α τ²) of a cell under shear: junctions grow (Tabor: 9 to 27); 0 is none",
-        demands=BARE_STRENGTH
+        demands=NO_STATES
+        + BARE_STRENGTH
         + NO_BEARING_CURVE
         + needs("pair.caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
     )
@@ -122,23 +156,25 @@ class Friction(Section):
         + excludes("wear.law", "energy", why=", which wears cells in contact by one strength")
         + excludes("study.model", "two-scale", why=", whose patches do not follow it"),
     )
-    film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
+    film: FilmSection | None = key(
+        None, "a film that wear breaks", demands=NO_STATES + BARE_STRENGTH + NO_BEARING_CURVE
+    )
 
     @property
-    def fitted(self) -> Literal["end", "initial", "coulomb"] | None:
+    def fitted(self) -> Literal["end", "initial", "coulomb", "states"] | None:
         """Where the coefficient is an input, to which τ0 is fitted, or all of it; None where τ0 is given."""
-        if self.law == "coulomb":
+        if self.law != "shear-strength":
             return self.law
         return self.calibrate if self.shear_strength is None else None
 
     @property
     def ends_as_given(self) -> bool:
         """True where the coefficient at the end is an input."""
-        return self.fitted in ("end", "coulomb")
+        return self.fitted in ("end", "coulomb", "states")
 
     def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
         """Return the law by which friction follows from a history. values: as of `Wear.laws`."""
-        own = {key: attribute_of(self, key) for key in KEYS}
+        own = {key: attribute_of(self, key) for key in (*KEYS, LAP)}
         numbers = {key: values.get(f"friction.{key}", value) for key, value in own.items()}
         return FRICTION_LAWS[self.law](numbers)
 

@@ -103,6 +103,7 @@ class Wear(Section):
         + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
         + needs("stepping.scheme", "implicit", of="bearing-curve")
         + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION)
+        + excludes("friction.law", "states", of="energy", why=", whose coefficient changes")
         + needs("friction.shear_strength", of="energy", where=BY_AREA, why=BY_COULOMB)
         + no_energy("study.model", "two-scale")
         + no_energy("stepping.scheme", "explicit")

@@ -1,0 +1,54 @@
+"""Further columns of a record, friction without load, and a sensor at the end of its range."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import warpwear
+from warpwear import InputError
+
+ROWS = 3000
+
+
+def record(folder: Path, *, offset: float = 0.0, most: float = 99.0) -> Path:
+    """Write a record with forces, linear wear of 0.5 µm a metre, a remark, and 40 rows without load."""
+    dice = np.random.default_rng(1)
+    time = 0.1 * np.arange(ROWS)
+    load = np.where(np.arange(ROWS) < 40, 0.0, 8.0)
+    friction = np.minimum(offset + 0.4 * load + dice.normal(0.0, 0.02, ROWS), most)
+    wear = 0.5 * 0.02 * time + dice.normal(0.0, 0.01, ROWS)
+    lines = ["Time [s],Fx [N],Fz [N],Linear wear [um],Remark"]
+    lines += [
+        f"{t:.1f},{f:.6f},{n},{w:.6f},ok" for t, f, n, w in zip(time, friction, load, wear, strict=True)
+    ]
+    path = folder / "record.csv"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+def test_a_further_column_is_kept_and_summed_up(tmp_path: Path) -> None:
+    read = warpwear.read_record(record(tmp_path), speed="20 mm/s")
+    wear = read.numbers["linear wear [um]"]
+    assert wear["rate_per_m"] == pytest.approx(0.5, abs=4.0 * wear["rate_per_m_error"])
+    assert 0.0 < wear["rate_per_m_error"] < 0.01
+    assert "linear wear [um]" in read.to_dataframe()
+    assert len(read.figure().axes) == 2
+    assert not read.numbers["warnings"]
+
+
+def test_friction_without_load_is_told_and_taken_off(tmp_path: Path) -> None:
+    path = record(tmp_path, offset=0.8)
+    read = warpwear.read_record(path, speed="20 mm/s")
+    assert any("friction without load is 0.8" in warning for warning in read.numbers["warnings"])
+    assert read.numbers["steady_cof"] == pytest.approx(0.5, abs=0.01)
+    zeroed = warpwear.read_record(path, speed="20 mm/s", zero=True)
+    assert zeroed.numbers["steady_cof"] == pytest.approx(0.4, abs=0.01)
+    assert any("was taken off" in note for note in zeroed.numbers["notes"])
+    with pytest.raises(InputError, match="shows no friction without load"):
+        warpwear.read_record(record(tmp_path), speed="20 mm/s", zero=True)
+
+
+def test_a_sensor_at_the_end_of_its_range_is_told(tmp_path: Path) -> None:
+    read = warpwear.read_record(record(tmp_path, most=3.2), speed="20 mm/s")
+    assert any("stays at 3.2, its largest value" in warning for warning in read.numbers["warnings"])
