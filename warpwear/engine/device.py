@@ -41,7 +41,7 @@ def find_device(name: str) -> Any:
     try:
         with _native_messages_hidden():
             return wp.get_device(name)
-    except (ValueError, RuntimeError) as error:
+    except (ValueError, RuntimeError, TypeError) as error:  # no name at all, too
         there = ", ".join(str(d.alias) for d in wp.get_devices())
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
 

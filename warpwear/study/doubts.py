@@ -35,7 +35,9 @@ def doubts(study: Content) -> Iterator[str]:
     for doubt in (_of_unused_keys, *of_whole, _of_layers):
         yield from doubt(study)
     of_parts = (_of_parabola, _of_pieces, _of_steps, _of_part)
-    yield from dict.fromkeys(text for part in study.parts for doubt in of_parts for text in doubt(part))
+    yield from dict.fromkeys(
+        text for _, part in study.telling_parts for doubt in of_parts for text in doubt(part)
+    )
 
 
 def _of_unused_keys(study: Content) -> Iterator[str]:

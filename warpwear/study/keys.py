@@ -258,6 +258,7 @@ def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
     return declared.field if declared else None
 
 
+@cache
 def section_in(annotation: Any) -> type[BaseModel] | None:
     """Return the section that an annotation, maybe optional, stands for; None for a key."""
     options = getattr(annotation, "__args__", None) or (annotation,)
@@ -289,14 +290,17 @@ def check_keys(study: BaseModel) -> None:
     What keys of sections demand of each other comes first: what follows from the study builds on it.
     """
     _check_choices(study)
-    demands = [
-        (demand, name, declared)
-        for name, declared in declarations(type(study)).items()
-        for demand in declared.demands
-    ]
-    for demand, name, declared in sorted(demands, key=lambda d: "." not in d[0].name.removeprefix("pair.")):
+    for demand, name, declared in _demands(type(study)):
         if not declared.why_not(study) and (refusal := demand.refusal(study, name)):
             raise ValueError(refusal)
+
+
+@cache
+def _demands(model: type[BaseModel]) -> list[tuple[Demand, str, Declared]]:
+    """Return all demands with the keys that make them, those on other keys first."""
+    keys = declarations(model).items()
+    demands = [(demand, name, declared) for name, declared in keys for demand in declared.demands]
+    return sorted(demands, key=lambda d: "." not in d[0].name.removeprefix("pair."))
 
 
 def _check_choices(study: BaseModel) -> None:
