@@ -77,6 +77,11 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
             shapes[f"stresses/{name}"] = (*depths, along) if name.endswith("_plane") else depths
     for path, shape in shapes.items():
         _numbers(file, path, shape)
+    places = {"grid/x": study.cells.x, "grid/y": study.cells.y}
+    places |= {"track/x": study.track.x} if study.is_swept else {}
+    for path, values in places.items():
+        if not np.allclose(file[path][()], values, rtol=0.0, atol=1.0e-6 * study.grid.cell):
+            raise ValueError(f"its {path} are not the places of the cells")
     for name in AREAS:
         if not file[f"history/{name}"][()].min() > 0.0:
             raise ValueError(f"its history/{name} is not always positive")

@@ -150,7 +150,8 @@ def _bodies_of(poisson: Any, modulus: float) -> _Bodies:
         return _Bodies(ratio / (1.0 - ratio), 0.0)
     if shape_of(poisson) != (2, 2):
         raise InputError(
-            f"poisson = {shown(poisson)} is not possible; it must be a number, or (young, poisson) of two bodies."
+            f"poisson = {shown(poisson)} is not possible; it must be a number, or (young, poisson) "
+            "of two bodies."
         )
     yielding = excess = beta = 0.0
     for sign, (young, ratio) in zip((1.0, -1.0), poisson, strict=True):
