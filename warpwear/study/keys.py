@@ -258,7 +258,6 @@ def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
     return declared.field if declared else None
 
 
-@cache
 def section_in(annotation: Any) -> type[BaseModel] | None:
     """Return the section that an annotation, maybe optional, stands for; None for a key."""
     options = getattr(annotation, "__args__", None) or (annotation,)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -89,7 +89,7 @@ def is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
 
 
-def as_float(value: Real) -> float:
+def as_float(value: Any) -> float:
     """Return a real number as a float; infinite where that holds no such number."""
     try:
         return float(value)
@@ -179,7 +179,7 @@ def _named(form: Form | FloatArray) -> str:
     return f"counter_radius = {1.0 / curvature:g}" if curvature else "a counter-body"
 
 
-def is_boundary(value: Any) -> bool:
+def is_boundary(value: Any) -> TypeGuard[str]:
     """Tell whether a value is the name of a boundary."""
     return isinstance(value, str) and value in BOUNDARIES
 
