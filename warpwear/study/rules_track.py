@@ -242,7 +242,7 @@ def _sure_rise(study: Content) -> float:
     for part in (2.0**-power for power in range(-3, 20)):  # the highest level down to which that was worn
         up = level + part
         level = up if gaussian.pdf(up) - up * gaussian.cdf(-up) > depth else level
-    return rough * max(0.0, gaussian.inv_cdf(1.0 - NONE_SUCH / count) - level - depth)
+    return rough * max(0.0, gaussian.inv_cdf(min(1.0 - NONE_SUCH / count, 1.0 - 1e-9)) - level - depth)
 
 
 def widths_with(study: Content, summit: float) -> tuple[float, float]:
