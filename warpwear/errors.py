@@ -24,6 +24,20 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
+def escaped(text: str) -> str:
+    """Write signs of a name that no text can have, as those of an old archive are, as \\udcfc."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+#: Such a sign as `escaped` writes it, and TOML.
+_ESCAPED = re.compile(r"\\{1,2}u(dc[89a-f][0-9a-f])")
+
+
+def unescaped(text: str) -> str:
+    """Return a text, or one of TOML, with the signs back that `escaped` wrote."""
+    return _ESCAPED.sub(lambda sign: chr(int(sign[1], 16)), text)
+
+
 class InputError(ValueError):
     """Bad input: one sentence that names the field, the value and what is allowed. Exit status 2."""
 

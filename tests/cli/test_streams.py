@@ -81,6 +81,13 @@ def test_a_pipe_in_the_place_of_a_study_is_not_waited_for(
     assert "warpwear: STUDY = 'pipe' is no file, no run folder" in capsys.readouterr().err
 
 
+def test_a_pipe_is_not_written_into(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    done = shell("new pipe.toml --overwrite", tmp_path, limit=PATIENCE)
+    assert done.returncode == 2
+    assert "is no file that can be replaced" in done.stderr
+
+
 def test_what_a_pipe_of_the_shell_says_is_read(tmp_path: Path) -> None:
     done = shell("show <(echo '[contact]')", tmp_path, limit=PATIENCE)
     assert done.stderr.startswith("warpwear: counter is missing")

@@ -24,7 +24,7 @@ from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.invariants import Invariants
-from warpwear.study.rules_track import worn_patch
+from warpwear.study.rules_track import summits, widths_with, worn_patch
 
 SMALL = {
     "grid.cell": "20 um",
@@ -199,7 +199,7 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
         "warpwear: grid.extent = 0.44 mm is too small: the contact reached the domain's edge"
     )
     assert told.endswith(
-        "a larger extent is needed, of about 0.49 mm. The run folder out holds the steps so far. "
+        "a larger extent is needed, of about 0.75 mm. The run folder out holds the steps so far. "
         "To continue anyway, set checks.strict=false and resume it (--resume, resume=True)."
     )
     with Result.open("out") as result:
@@ -239,9 +239,8 @@ def test_the_extent_that_is_told_holds_the_contact() -> None:
 
 def test_an_extent_that_roughness_may_fill_is_told_before() -> None:
     study = small().replace(AT_EDGE | {"grid.cell": "5 um"})
-    patch = worn_patch(study)
-    for factor, expected in ((1.02, True), (1.3, False)):
-        cells = math.ceil(factor * patch / study.grid.cell)
+    for width, expected in ((worn_patch(study), True), (max(widths_with(study, summits(study))), False)):
+        cells = math.ceil(1.02 * width / study.grid.cell)
         notices = study.replace({"grid.extent": f"{cells * study.grid.cell:.6g} mm"}).notices()
         assert any("may be too small" in notice and "would do" in notice for notice in notices) == expected
 

@@ -83,11 +83,11 @@ def test_a_track_that_memory_does_not_hold(host_with: Callable[[float], None]) -
 
 
 def test_a_domain_too_narrow_for_the_patch_of_a_swept_counter() -> None:
-    """Its patch ends 1.025 mm wide, where a disc that lies still makes 1.27 mm."""
+    """Its patch ends 1.025 mm wide, with summits 1.06; a disc that lies still makes 1.27 mm."""
     swept = {"grid.cell": "10 um", "sliding.kinematics": "swept", "sliding.track": "3.2 mm"}
     study = Study.load("v3-fine").replace(swept)
     with pytest.raises(
-        InputError, match=r"grid\.extent = 1 mm is too small: the worn patch will be 1\.02 mm"
+        InputError, match=r"grid\.extent = 1 mm is too small: the worn patch will be 1\.06 mm"
     ):
         warpwear.run(study.replace({"grid.extent": "1 mm"}))
 

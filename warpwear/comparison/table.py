@@ -123,4 +123,4 @@ def write_json(comparison: Comparison, path: Path) -> None:
         "scar": None if comparison.scar is None else record_of(comparison.scar),
         "version": __version__,
     }
-    path.write_text(f"{to_json(content)}\n", encoding="utf-8")
+    path.write_text(f"{to_json(content)}\n", encoding="utf-8", errors="backslashreplace")

@@ -13,11 +13,11 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Table
 
-from warpwear.errors import InputError, explained, named_in_python
+from warpwear.errors import InputError, escaped, explained, named_in_python, unescaped
 from warpwear.laws.elastic import asperities
 from warpwear.runs.plan import contacts_of
 from warpwear.study.loading import change
-from warpwear.study.rules_track import worn_widths
+from warpwear.study.rules_track import summits, widths_with
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_of
 from warpwear.study.units import parse
@@ -35,6 +35,8 @@ RIGS = {
 }
 #: Column of a draft at which comments begin, where a value is short enough.
 COLUMN = 32
+#: Most cells along a side that are looked at for the height of the roughness.
+MOST_SIDE = 2000
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -84,6 +86,8 @@ def new_study(
     file = Path(f"{like}.toml" if path is None else path)
     if file.suffix != ".toml":
         raise InputError(f"{file}: a study is a file named .toml, such as {file.name or 'my-test'}.toml.")
+    if path is not None and file.exists() and not file.is_file():  # a pipe would be waited for without end
+        raise InputError(f"{file} is no file that can be replaced; give another name.")
     if path is not None and file.exists() and not overwrite:
         raise InputError(f"{file} is there already; --overwrite replaces it.")
     place = None if surface is None else Path(surface)
@@ -126,7 +130,7 @@ def draft(
     wanted = {"study.name": name, **(changes or {})}
     if surface is not None:
         document["disc"].pop("synthetic", None)
-        wanted["disc.surface"] = os.path.relpath(surface, folder)
+        wanted["disc.surface"] = escaped(os.path.relpath(surface, folder))
     change(document, wanted)
     if not all(isinstance(section, dict) for section in document.values()):
         Study(**document.unwrap())  # refuses a value in the place of a section
@@ -160,7 +164,7 @@ def _align(document: Any) -> None:
 def _study(sections: dict[str, Any], folder: Path) -> Study:
     """Return the study of sections that will lie in a folder. Raises InputError."""
     if sections["disc"].get("surface"):
-        sections["disc"]["surface"] = str(folder / sections["disc"]["surface"])
+        sections["disc"]["surface"] = str(folder / unescaped(sections["disc"]["surface"]))
     return Study(**sections)
 
 
@@ -189,8 +193,11 @@ def _grid(document: Any, wanted: Mapping[str, Any], folder: Path) -> dict[str, A
     grid, surface = study.cells, surface_of(study.disc)
     if isinstance(surface, Measured):
         surface = replace(surface, extend="mirror")
-    peak = float(np.ptp(surface.heights(grid.x, grid.y)))
-    widths = np.array([_width(study, axis, peak) for axis in (0, 1)])
+    summit = summits(study)
+    if study.disc.synthetic is None or study.disc.synthetic.kind == "profile":
+        heights = surface.heights(grid.x[:MOST_SIDE], grid.y[:MOST_SIDE])
+        summit = float(np.ptp(heights))
+    widths = np.array(widths_with(study, summit))
     cell, change_of = grid.cell, dict[str, Any]()
     if isinstance(surface, Measured):
         if "grid.cell" not in wanted:
@@ -235,20 +242,3 @@ def _dividing(study: Study, cell: float) -> float:
     counts = range(max(math.floor(0.97 * exact), 1), math.ceil(1.03 * exact) + 1)
     cells = (length / (steps * count) for count in counts)
     return min(cells, key=lambda size: (len(f"{1e3 * size:.9g}"), abs(size - cell)))
-
-
-def _width(study: Study, axis: int, peak: float) -> float:
-    """Return the width [mm] that the contact may have along an axis; peak: height of the roughness [mm]."""
-    if not study.counter.form.rises[axis]:
-        return 0.0
-    if study.counter.shape == "pin":
-        return 2.0 * study.counter.form.reach
-    smooth = worn_widths(study)[axis]
-    if study.hertz is not None:
-        smooth = max(smooth, 2.0 * study.hertz.semi_axes[axis])
-    lap = study.sliding.lap if study.is_swept else None
-    if axis == 0 and lap is not None and lap < smooth:  # a stroke that the contact does not leave widens it
-        smooth += lap
-    # Where a paraboloid as high as this would cut through the roughness.
-    curvature = (study.counter.form.along, study.counter.form.across)[axis]
-    return math.hypot(smooth, math.sqrt(8.0 * peak / curvature) if curvature else 0.0)

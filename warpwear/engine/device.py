@@ -41,7 +41,7 @@ def find_device(name: str) -> Any:
     try:
         with _native_messages_hidden():
             return wp.get_device(name)
-    except (ValueError, RuntimeError) as error:
+    except (ValueError, RuntimeError, TypeError) as error:  # no name at all, too
         there = ", ".join(str(d.alias) for d in wp.get_devices())
         raise InputError(f"device = {name!r} is not there; this machine has {there}.") from error
 
@@ -74,8 +74,32 @@ def _native_messages_hidden() -> Iterator[None]:
         os.close(stderr)
 
 
+#: What computes in this process, by the ids of executors.
+BUSY: set[int] = set()
+#: What computed in the process that this one was forked from.
+_FORKED: set[int] = set()
+
+
+def _forget_threads() -> None:
+    """Note in a forked process what computed: its threads are gone, and the locks that they held are shut."""
+    _FORKED.update(BUSY)
+    BUSY.clear()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_threads)
+
+
 def check_threads(threads: int | None) -> int:
-    """Return the number of threads asked for, or of usable cores. Raises InputError."""
+    """Return the number of threads asked for, or of usable cores. Raises InputError.
+
+    Also in a process that was forked in the middle of a computation, which would wait without end.
+    """
+    if _FORKED:
+        raise InputError(
+            "this process was forked while another thread computed, and would wait for it without end; "
+            "allowed are processes that are started anew: multiprocessing.set_start_method('spawn')"
+        )
     cores = usable_cores()
     if threads is None:
         return cores

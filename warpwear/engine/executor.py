@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from warpwear.engine.device import check_threads, find_device, free_memory
+from warpwear.engine.device import BUSY, check_threads, find_device, free_memory
 from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
@@ -108,9 +108,11 @@ class Executor:
         self._copies: dict[Any, Any] = {}
 
     def __enter__(self) -> Self:
+        BUSY.add(id(self))
         return self
 
     def __exit__(self, *_: object) -> None:
+        BUSY.discard(id(self))
         for pool in (self._pool, self._loader):
             if pool is not None:
                 pool.shutdown(cancel_futures=True)

@@ -84,4 +84,4 @@ def link_to(run: Path, folder: Path) -> str:
     target = page if os.path.isfile(page) else run
     if not target.is_relative_to(folder):  # what is inside may be a link, which is followed by whoever reads
         target, folder = target.resolve(), folder.resolve()
-    return quote(os.path.relpath(target, folder))
+    return quote(os.fsencode(os.path.relpath(target, folder)))  # also of names that no text can have

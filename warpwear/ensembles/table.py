@@ -10,7 +10,7 @@ from warpwear.results.report import quoted
 
 def write_csv(table: Mapping[str, Sequence[Any]], path: Path) -> None:
     """Write a table, a column a name with its unit: numbers in all their digits, nothing for None."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(map(quoted, table))
         for row in zip(*table.values(), strict=True):

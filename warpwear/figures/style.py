@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import LogFormatter, MaxNLocator, ScalarFormatter
 
-from warpwear.errors import InputError
+from warpwear.errors import InputError, escaped
 from warpwear.figures import wording
 
 #: Pale to dark, so that little pressure is still seen on white paper and grey keeps the order.
@@ -55,6 +56,8 @@ def bytes_of(figure: Figure, file_format: str = "png", *, dpi: float | str = "fi
     """Return the content of the file that holds a figure in one of `FORMATS`."""
     written = BytesIO()
     more: Any = {"pil_kwargs": COMPRESSION} if file_format == "png" else {}
+    for text in figure.findobj(Text):  # names of files
+        text.set_text(escaped(text.get_text()))
     with style():
         figure.savefig(written, format=file_format, dpi=dpi, metadata=FORMATS[file_format], **more)
     return written.getvalue()

@@ -84,4 +84,4 @@ def _write(path: Path, content: Content) -> None:
     if callable(content):
         content(path)
     else:
-        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        path.write_bytes(content.encode("utf-8", "backslashreplace") if isinstance(content, str) else content)

@@ -107,7 +107,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
         script=script,
         policy=policy(script, gzip.decompress(plotly).decode()),
     )
-    return text.encode()
+    return text.encode("utf-8", "backslashreplace")
 
 
 def _section(section: PageSection) -> dict[str, Any]:

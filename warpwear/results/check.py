@@ -26,7 +26,10 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
     "finished": (bool, np.bool_),
 }
 #: Columns that no step has without a contact.
-AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
+POSITIVE = (
+    *("area_contact", "area_touched", "area_cumulative", "area_nominal", "load"),
+    *("patch_along", "patch_across"),
+)
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
@@ -77,9 +80,16 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
             shapes[f"stresses/{name}"] = (*depths, along) if name.endswith("_plane") else depths
     for path, shape in shapes.items():
         _numbers(file, path, shape)
-    for name in AREAS:
+    places = {"grid/x": study.cells.x, "grid/y": study.cells.y}
+    places |= {"track/x": study.track.x} if study.is_swept else {}
+    for path, values in places.items():
+        if not np.allclose(file[path][()], values, rtol=0.0, atol=1.0e-6 * study.grid.cell):
+            raise ValueError(f"its {path} are not the places of the cells")
+    for name in history.keys() & {*POSITIVE}:
         if not file[f"history/{name}"][()].min() > 0.0:
             raise ValueError(f"its history/{name} is not always positive")
+    if study.friction.fitted != "coulomb" and (file["history/cof"][()] == 0.0).any():
+        raise ValueError("its history/cof is 0, where cells shear")
     distance, slid = file["history/distance"][()], np.cumsum(np.maximum(file["history/increment"][()], 0.0))
     if not np.isfinite(distance).all() or not np.allclose(slid, distance, rtol=1.0e-6, atol=0.0):
         raise ValueError("its history/distance is not the sum of its increments")

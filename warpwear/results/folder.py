@@ -3,19 +3,23 @@
 import os
 import platform
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
-from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import OTHER_FOLDER, InputError, explained
+
+if sys.platform != "win32":
+    import fcntl
 
 filelock = lazy.module("filelock")
 
 #: File on whose lock of the operating system a process holds a folder; it is free when that process is gone.
 LOCK = ".warpwear.lock"
+#: It may be deleted meanwhile, so the folder itself is locked, too, where that can be.
 #: How long a lock is waited for [s]: another process may look whether the folder is free.
 PATIENCE = 0.3
 
@@ -31,29 +35,50 @@ def held(folder: Path) -> Iterator[None]:
     finally:
         with suppress(OSError):
             path.unlink()  # while it is held: who has opened it meanwhile sees that it is gone
-        lock.release()
+        lock.close()
 
 
 def refuse_if_held(folder: Path) -> None:
     """Raise InputError where another process holds the folder."""
     with suppress(OSError):  # that it cannot be written is told elsewhere
         if (folder / LOCK).exists():
-            _locked(folder).release()
+            _locked(folder).close()
+        elif folder.is_dir():
+            with ExitStack() as lock:
+                _lock_itself(folder, lock)
 
 
-def _locked(folder: Path) -> Any:
+def _locked(folder: Path) -> ExitStack:
     """Take the lock of a folder. Raises InputError where another process has it, OSError."""
-    path = folder / LOCK
-    lock = filelock.FileLock(path, timeout=PATIENCE)
-    try:
-        return lock.acquire().lock
-    except filelock.Timeout:
-        owner = "another process"
-        with suppress(OSError):
-            owner = path.read_text(encoding="utf-8", errors="replace")[:80] or owner
-        raise InputError(
-            f"out = {folder} is in use by another run ({owner}); give another folder (out), or wait for it."
-        ) from None
+    with ExitStack() as lock:
+        try:
+            lock.enter_context(filelock.FileLock(folder / LOCK, timeout=PATIENCE))
+        except filelock.Timeout:
+            raise _in_use(folder) from None
+        _lock_itself(folder, lock)
+        return lock.pop_all()
+
+
+def _lock_itself(folder: Path, lock: ExitStack) -> None:
+    """Lock a folder, not a file in it, with a lock. Raises InputError where another process has it."""
+    if sys.platform != "win32":
+        place = os.open(folder, os.O_RDONLY)
+        lock.callback(os.close, place)
+        try:
+            fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise _in_use(folder) from None
+        except OSError:  # there are file systems without
+            return
+
+
+def _in_use(folder: Path) -> InputError:
+    owner = "another process"
+    with suppress(OSError):
+        owner = (folder / LOCK).read_text(encoding="utf-8", errors="replace")[:80] or owner
+    return InputError(
+        f"out = {folder} is in use by another run ({owner}); give another folder (out), or wait for it."
+    )
 
 
 def check_writable(folder: Path) -> None:

@@ -32,7 +32,7 @@ def write_tables(folder: Path, result: ResultFile) -> None:
         content = tomllib.loads(sections)
         content["disc"]["surface"] = SURFACE_FILE
         sections = tomli_w.dumps(content)
-    (folder / "study.toml").write_text(sections, encoding="utf-8")
+    (folder / "study.toml").write_text(sections, encoding="utf-8", errors="backslashreplace")
     _write_table(folder / "history.csv", columns_of(result.study), result.history)
     with phase("evolution"):
         evolution = surface_evolution(result)
@@ -44,4 +44,4 @@ def write_tables(folder: Path, result: ResultFile) -> None:
 def write_summary(folder: Path, result: ResultFile) -> None:
     """Write summary.json into a folder, at once in place of an older one."""
     with replacing(folder / "summary.json") as new:
-        new.write_text(f"{to_json(summarise(result))}\n", encoding="utf-8")
+        new.write_text(f"{to_json(summarise(result))}\n", encoding="utf-8", errors="backslashreplace")

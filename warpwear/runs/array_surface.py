@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.engine.executor import require_memory
 from warpwear.errors import OTHER_FOLDER, InputError
 from warpwear.grid import FloatArray
 from warpwear.results.file import SURFACE_FILE
@@ -64,6 +65,8 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
     (x, y), cell = study.places, study.grid.cell
     filled = surface.filled_at(x, y) if isinstance(surface, Measured) else None
     if callable(getattr(surface, "heights", None)):
+        what = f"grid.cell = {1e3 * cell:g} µm makes {x.size} × {y.size} cells of the disc"
+        require_memory("cpu", 8.0 * x.size * y.size, what, "larger cells or a smaller domain are needed.")
         surface = surface.heights(x, y)
     if not hasattr(surface, "__array__") and not isinstance(surface, list | tuple):
         raise InputError(

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import h5py
@@ -366,7 +366,8 @@ def steps(
 
 @contextmanager
 def _log_to(work: Path | None) -> Iterator[None]:
-    handler = logging.FileHandler(work / run_folder.LOG, encoding="utf-8") if work else logging.NullHandler()
+    coded: Any = {"encoding": "utf-8", "errors": "backslashreplace"}  # of names that no text can have
+    handler = logging.FileHandler(work / run_folder.LOG, **coded) if work else logging.NullHandler()
     handler.setFormatter(logging.Formatter("%(asctime)s %(message)s"))
     LOG.addHandler(handler)
     try:

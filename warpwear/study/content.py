@@ -201,7 +201,31 @@ class Content(Section):
             for contact, sliding in zip(contacts, slidings, strict=True)
         )
 
-    @property
+    @cached_property
+    def telling_parts(self) -> tuple[tuple[int, Self], ...]:
+        """Return those of `parts`, with their numbers from 1, by which rules and doubts know of all of them.
+
+        Of blocks that differ in load, length and speed alone the extreme ones tell: what is too much, or too
+        little, is so there first.
+        """
+        alike: dict[Any, list[int]] = {}
+        for at, block in enumerate(self.block or (motion.BlockSection(),)):
+            own = {name: getattr(block, name) for name in block.model_fields_set}
+            free = {"load", *motion.LENGTHS, *({"speed"} if block.frequency is None else ())}
+            alike.setdefault(frozenset((n, n in free or v) for n, v in own.items()), []).append(at)
+        numbers = {
+            choose(group, key=of)
+            for group in alike.values()
+            for choose in (min, max)
+            for of in (
+                lambda at: self.blocks[at].load,
+                lambda at: self.blocks[at].length,
+                lambda at: self.blocks[at].speed or 0.0,
+            )
+        }
+        return tuple((at + 1, self.parts[at]) for at in sorted(numbers))
+
+    @cached_property
     def circles(self) -> tuple[float, ...]:
         """Return the track radii of a swept programme that has several [mm], in the order of their first use.
 
@@ -221,8 +245,11 @@ class Content(Section):
 
     def circle_of(self, block: Block) -> int:
         """Return the number of the circle of the disc that a block slides on, from 0; 0 of other tracks."""
-        laps = [2.0 * math.pi * radius for radius in self.circles]
-        return laps.index(block.lap) if block.lap in laps else 0
+        return self._circle_numbers.get(block.lap, 0)
+
+    @cached_property
+    def _circle_numbers(self) -> dict[float | None, int]:
+        return {2.0 * math.pi * radius: number for number, radius in enumerate(self.circles)}
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
@@ -297,7 +324,7 @@ class Content(Section):
         slides = self.study.model == "micro" and self.sliding.lap is not None
         return self.sliding.kinematics or ("swept" if slides else "stationary")
 
-    @property
+    @cached_property
     def shift(self) -> int:
         """Cells that a step of a swept study covers: as named, else what leaves a stroke its least steps.
 
@@ -351,7 +378,7 @@ class Content(Section):
         ends = [block.end for block in self.blocks]
         return np.interp(distance, [0.0, *ends], np.cumsum([0.0, *laps]))
 
-    @property
+    @cached_property
     def track(self) -> Track:
         """The track that a swept study asks for, of its longest stroke; `rules_track` says whether it may."""
         if self.block is not None:

@@ -12,7 +12,7 @@ from warpwear.study.content import Content
 from warpwear.study.keys import attribute_of
 from warpwear.study.motion import in_words
 from warpwear.study.rules import CELLS, diameter, longest_step, um, unstable, without_unit
-from warpwear.study.rules_track import sides_worn, spared, worn_patch
+from warpwear.study.rules_track import enough, sides_of, summits, widths_with, worn_patch, worn_widths
 from warpwear.study.units import LineLoad
 
 #: Extent over worn patch below which roughness may fill the domain.
@@ -35,7 +35,9 @@ def doubts(study: Content) -> Iterator[str]:
     for doubt in (_of_unused_keys, *of_whole, _of_layers):
         yield from doubt(study)
     of_parts = (_of_parabola, _of_pieces, _of_steps, _of_part)
-    yield from dict.fromkeys(text for part in study.parts for doubt in of_parts for text in doubt(part))
+    yield from dict.fromkeys(
+        text for _, part in study.telling_parts for doubt in of_parts for text in doubt(part)
+    )
 
 
 def _of_unused_keys(study: Content) -> Iterator[str]:
@@ -130,11 +132,14 @@ def _of_extent(study: Content) -> Iterator[str]:
     """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
     if study.counter.form.is_flat or not study.is_rough:
         return
-    for patch, extent, way in sides_worn(study):
-        if patch <= extent < CLOSE * patch:
+    made = study.disc.synthetic is not None
+    rough = sides_of(study, widths_with(study, summits(study)))
+    for (patch, extent, way), (wide, *_) in zip(sides_of(study, worn_widths(study)), rough, strict=True):
+        if patch <= extent < max(CLOSE * patch, wide if patch else 0.0):
+            end = f"up to {wide:.3g} mm; {enough(study)} would do" if made else "wider"
             yield (
                 f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
-                f"{patch:.3g} mm wide{way} at the end, and with it wider; {spared(patch):g} mm would do."
+                f"{patch:.3g} mm wide{way} at the end, and with it {end}."
             )
 
 

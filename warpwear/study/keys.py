@@ -289,14 +289,17 @@ def check_keys(study: BaseModel) -> None:
     What keys of sections demand of each other comes first: what follows from the study builds on it.
     """
     _check_choices(study)
-    demands = [
-        (demand, name, declared)
-        for name, declared in declarations(type(study)).items()
-        for demand in declared.demands
-    ]
-    for demand, name, declared in sorted(demands, key=lambda d: "." not in d[0].name.removeprefix("pair.")):
+    for demand, name, declared in _demands(type(study)):
         if not declared.why_not(study) and (refusal := demand.refusal(study, name)):
             raise ValueError(refusal)
+
+
+@cache
+def _demands(model: type[BaseModel]) -> list[tuple[Demand, str, Declared]]:
+    """Return all demands with the keys that make them, those on other keys first."""
+    keys = declarations(model).items()
+    demands = [(demand, name, declared) for name, declared in keys for demand in declared.demands]
+    return sorted(demands, key=lambda d: "." not in d[0].name.removeprefix("pair."))
 
 
 def _check_choices(study: BaseModel) -> None:

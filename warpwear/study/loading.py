@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from warpwear.errors import InputError, explained
+from warpwear.errors import InputError, explained, unescaped
 from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
 from warpwear.study.keys import TABLES, alternatives_of, declarations, no_such_key, plural, value_of
@@ -43,8 +43,12 @@ def parse_toml(content: str) -> dict[str, Any]:
             f"line {content.count(chr(10), 0, endless.start()) + 1} has a key of more than {MOST_PARTS} parts"
         )
     try:
-        return tomllib.loads(content)
+        return tomllib.loads(unescaped(content))
     except tomllib.TOMLDecodeError as error:
+        twice = re.search(r"Cannot declare (\(.+\)) twice", str(error))
+        name = ".".join(re.findall(r"'(\w+)'", twice[1])) if twice else ""
+        if name in TABLES:
+            raise ValueError(f"{error}: a list of tables has [[{name}]] above each") from None
         at = re.search(r"at line (\d+)", str(error))
         line = content.splitlines()[int(at[1]) - 1] if at else ""
         match = re.search(
@@ -107,6 +111,8 @@ def fill(sections: dict[str, Any]) -> set[str]:
     """
     names: set[str] = set()
     blocks = sections.get("block")
+    if isinstance(blocks, Mapping):
+        raise InputError("[block] is one table, and block a list of them: write [[block]] above each block.")
     if isinstance(blocks, list | tuple) and blocks and all(isinstance(block, dict) for block in blocks):
         sections.setdefault("sliding", {})
         contact = sections.setdefault("contact", {})
@@ -142,7 +148,7 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     for name, value in flat.items():
         for other in _dropped_by(name) - set(flat) - ({"block"} & numbered):
             _remove(nested, other)
-        insert(nested, name, value)
+        insert(nested, name, dict(value) if isinstance(value, Mapping) else value)  # keys may be set in it
         assumed = nested.get("assumed")
         if not isinstance(assumed, dict):
             continue

@@ -10,6 +10,9 @@ from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
 from warpwear.study.rules import check
 from warpwear.study.units import LineLoad
 
+#: Most blocks of a programme: more than anybody writes, and seconds to read.
+MOST_BLOCKS = 10_000
+
 
 def resolve(written: Content) -> Content:
     """Return what a user wrote, each section by itself, with what sections say only together.
@@ -47,7 +50,9 @@ def _sliding_of_blocks(study: Content) -> Sliding:
     if not study.block:
         raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
     first = study.parts[0]
-    for number, part in enumerate(study.parts, 1):
+    if len(study.block) > MOST_BLOCKS:
+        raise ValueError(f"block: a programme of {len(study.block):,} blocks; allowed are {MOST_BLOCKS:,}")
+    for number, part in study.telling_parts:
         try:
             check(part)
         except ValueError as error:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from statistics import NormalDist
 
 from warpwear.laws.archard import BODIES
 from warpwear.laws.form import Form
@@ -12,6 +13,12 @@ from warpwear.study.sections.layers import LayerSection
 
 #: Extent over worn patch that a sentence recommends.
 SPARE = 1.1
+#: Height of the highest summit over Sq of a random surface: one of millions is higher.
+MOST_SUMMIT = 5.0
+#: Sq over Ra of a random surface.
+OF_GAUSSIAN = math.sqrt(0.5 * math.pi)
+#: Expected number of which there is none once in a hundred times.
+NONE_SUCH = 4.6
 
 
 def check(study: Content) -> None:
@@ -199,36 +206,110 @@ def _held(form: Form, widths: tuple[float, float]) -> tuple[float, float]:
 def extent_for(study: Content, distance: float) -> tuple[float, float]:
     """Return the sides [mm] that a test needs whose contact fills its own after a distance [mm].
 
-    What the contact is wider by than the worn patch of smooth bodies stays, as that grows.
+    What the contact is wider by than the worn patch of smooth bodies stays, as that grows; and what is
+    foreseen of roughness is the least.
     """
-    widths = zip(study.grid.sides, worn_widths(study), worn_widths(study, distance), strict=True)
-    along, across = (side + end - now for side, end, now in widths)
+    ends = zip(study.grid.sides, worn_widths(study), worn_widths(study, distance), strict=True)
+    sides = (side + end - now for side, end, now in ends)
+    along, across = map(max, sides, widths_with(study, summits(study)))
     return along, across
+
+
+def summits(study: Content) -> float:
+    """Return how far a made surface's summits rise over its mean plane at most [mm]; 0 of others."""
+    made = study.disc.synthetic if study.is_rough else None
+    if made is None:
+        return 0.0
+    rough = made.sq or OF_GAUSSIAN * (made.ra or 0.0)
+    return MOST_SUMMIT * (rough if made.kind == "self-affine" else OF_GAUSSIAN * made.fine_ra + rough)
+
+
+def _sure_rise(study: Content) -> float:
+    """Return by how much summits along both edges of a groove surely rise over what is worn [mm].
+
+    As many as a track has, of half the longest wave each; the disc's wear has worn some down to a level over
+    its mean plane, which they do not rise over.
+    """
+    made, lap = study.disc.synthetic, study.sliding.lap
+    if not study.is_swept or lap is None or made is None or made.kind != "self-affine":
+        return 0.0
+    along, across = worn_widths(study)
+    count = 4.0 * min(study.track.cells * study.grid.cell, made.period) / made.roll_off
+    if not (across and along) or count <= NONE_SUCH:
+        return 0.0
+    rough, gaussian = made.sq or OF_GAUSSIAN * (made.ra or 0.0), NormalDist()
+    depth, level = study.volumes(study.sliding.total)[1] / (lap * across) / rough, -8.0
+    for part in (2.0**-power for power in range(-3, 20)):  # the highest level down to which that was worn
+        up = level + part
+        level = up if gaussian.pdf(up) - up * gaussian.cdf(-up) > depth else level
+    return rough * max(0.0, gaussian.inv_cdf(min(1.0 - NONE_SUCH / count, 1.0 - 1e-9)) - level - depth)
+
+
+def widths_with(study: Content, summit: float) -> tuple[float, float]:
+    """Return the widths [mm] along and across that the contact may come to over rough bodies.
+
+    summit: height of the disc's roughness over its mean plane [mm]. Where the counter-body at its worn depth,
+    or pressed on, would still touch it.
+    """
+    form, hertz, lap = study.counter.form, study.hertz, study.sliding.lap
+    if study.counter.shape == "pin":
+        return 2.0 * form.reach, 2.0 * form.reach
+    widths = [*worn_widths(study)]
+    for axis, curvature in enumerate((form.along, form.across)):
+        if not form.rises[axis]:
+            widths[axis] = 0.0
+            continue
+        if hertz is not None:
+            widths[axis] = max(widths[axis], 2.0 * hertz.semi_axes[axis])
+        if axis == 0 and study.is_swept and lap is not None and lap < widths[0]:
+            widths[0] += lap  # a stroke that the contact does not leave widens it
+        widths[axis] = math.hypot(widths[axis], math.sqrt(8.0 * summit / curvature) if curvature else 0.0)
+    return widths[0], widths[1]
 
 
 def too_small(study: Content) -> str | None:
     """Return a sentence, without its dot, about a domain that will not hold the worn patch; else None.
 
-    Roughness only makes the patch wider. Patches wider than the radius are left to the run.
+    Patches wider than the radius are left to the run.
     """
     if study.counter.form.is_flat:
         return None
-    for patch, extent, way in sides_worn(study):
+    for patch, extent, way in sides_of(study, _worn_over(study, _sure_rise(study))):
         if extent < patch < study.counter.form.most_worn:
             return (
                 f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide "
-                f"or more{way}; a grid.extent of {spared(patch):g} mm would do"
+                f"or more{way}; a grid.extent of {enough(study)} would do"
             )
     return None
 
 
-def sides_worn(study: Content) -> Iterator[tuple[float, float, str]]:
-    """Yield the width of the worn patch, the domain's side [mm] and its name; of a square the wider alone."""
-    patches, sides = worn_widths(study), study.grid.sides
+def _worn_over(study: Content, rise: float) -> tuple[float, float]:
+    """Return `worn_widths` where summits rise by so much over what is worn [mm]."""
+    form = study.counter.form
+    along, across = (
+        math.hypot(width, math.sqrt(8.0 * rise / curvature)) if width and curvature else width
+        for width, curvature in zip(worn_widths(study), (form.along, form.across), strict=True)
+    )
+    return along, across
+
+
+def sides_of(study: Content, widths: tuple[float, float]) -> Iterator[tuple[float, float, str]]:
+    """Yield a width, the domain's side [mm] and its name; of a square the wider alone."""
+    sides = study.grid.sides
     if sides[0] == sides[1]:
-        yield max(patches), sides[0], ""
+        yield max(widths), sides[0], ""
     else:
-        yield from zip(patches, sides, (" along sliding", " across sliding"), strict=True)
+        yield from zip(widths, sides, (" along sliding", " across sliding"), strict=True)
+
+
+def enough(study: Content) -> str:
+    """Return, in words, the extent that holds the contact of the whole test, with some room beside it."""
+    widths = widths_with(study, summits(study))
+    if not isinstance(study.grid.extent, tuple):
+        return f"{spared(max(widths)):g} mm"
+    given = study.grid.sides
+    sides = (spared(width) if width else side for width, side in zip(widths, given, strict=True))
+    return f"{' × '.join(f'{side:g}' for side in sides)} mm"
 
 
 def spared(patch: float) -> float:

@@ -193,6 +193,8 @@ class Study(Content):
         for section, keys in sections.items():
             of_section = isinstance(keys, Mapping)
             flat |= {f"{section}.{k}": v for k, v in keys.items()} if of_section else {section: keys}
+        if not flat:
+            return self  # it is frozen
         nested = self.model_dump(exclude_unset=True)
         loading.change(nested, flat)
         changed_study = type(self)(**nested)

@@ -9,7 +9,7 @@ from typing import Any
 import tomli_w
 from pydantic import BaseModel, ValidationError, create_model
 
-from warpwear.errors import InputError
+from warpwear.errors import InputError, escaped
 from warpwear.study.keys import TABLES, key_of, no_such_key, plural, section_in
 from warpwear.study.loading import FILES, nested
 from warpwear.study.units import is_quantity
@@ -24,7 +24,7 @@ def to_toml(keys: Mapping[str, Any], assumed: Mapping[str, str]) -> str:
 
     assumed: why keys were assumed, defaults included, which look like given values in this text.
     """
-    files = {name: str(Path(keys[name]).absolute()) for name in FILES if keys.get(name)}
+    files = {name: escaped(str(Path(keys[name]).absolute())) for name in FILES if keys.get(name)}
     sections = nested({**keys, **files})
     return tomli_w.dumps(sections | ({"assumed": dict(assumed)} if assumed else {}))
 
@@ -57,6 +57,7 @@ def readable(value: Any) -> Any:
         return {name: readable(v) for name, v in value.items()}
     if not isinstance(value, str):
         return value
+    value = escaped(value)
     first, _, unit = value.partition(" ")
     try:
         number = float(first)

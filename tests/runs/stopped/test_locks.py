@@ -108,6 +108,19 @@ def test_a_folder_in_use_is_refused(tmp_path: Path, holders: list[Holder]) -> No
     assert [p.name for p in tmp_path.iterdir()] == [LOCK]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a folder itself cannot be locked there")
+def test_a_lock_whose_file_is_deleted_holds(tmp_path: Path, holders: list[Holder]) -> None:
+    holders[0].ask(tmp_path)
+    assert holders[0].answer() == "held"
+    (tmp_path / LOCK).unlink()
+    for options in ({}, {"resume": True}, {"overwrite": True}):
+        with pytest.raises(InputError, match="in use by another run"):
+            warpwear.run(short(), out=tmp_path, **options)
+    holders[0].release()
+    with held(tmp_path):
+        pass
+
+
 def test_the_lock_of_a_killed_process_is_free_at_once(tmp_path: Path, holders: list[Holder]) -> None:
     holders[0].ask(tmp_path)
     assert holders[0].answer() == "held"

@@ -69,7 +69,7 @@ def _page(inference: Inference, figures: Mapping[str, Figure], *, study: str, te
 def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], path: Path) -> None:
     """Write samples of the posterior as CSV. values: key -> (samples,)."""
     units = {unknown.key: unknown.unit for unknown in unknowns}
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
         writer = csv.writer(file)
         writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in values])
         writer.writerows([map(repr, row) for row in np.array([*values.values()]).T.tolist()])

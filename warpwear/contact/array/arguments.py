@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,8 @@ from warpwear.laws.form import Form, form_of
 LARGEST = 1e100
 #: Tolerances that mean something: rounding is above smaller ones, the area is wrong with larger ones.
 TOLERANCES = (1e-14, 1e-2)
+#: Most characters of a value that a sentence repeats.
+MOST_SHOWN = 80
 
 
 def checked_heights(
@@ -33,7 +35,7 @@ def checked_heights(
         if values.dtype.kind == "O" and not all(isinstance(value, Real) for value in values.flat):
             raise TypeError("not all of them numbers")
         values = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"{name} of type {type(heights).__name__} are not possible ({error}); "
             "they must be real numbers, none of them masked."
@@ -58,19 +60,55 @@ def checked_heights(
     return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
 
-def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:
-    """Return an argument as a float, None where it is left out. Raises InputError for what is not allowed."""
+def number(
+    name: str, value: Any, *, any_sign: bool = False, optional: bool = True, limit: bool = False
+) -> Any:
+    """Return an argument as a float, None where it is left out. Raises InputError for what is not allowed.
+
+    limit: whether an infinite one stands for none, too.
+    """
     if value is None and optional:
         return None
-    is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
-    if not is_number or not math.isfinite(value) or not (any_sign or value > 0.0):
-        text = f"{float(value):g}" if is_number else repr(value)
+    real = is_number(value)
+    if real:
+        value = as_float(value)
+        if limit and value == math.inf:
+            return None
+    if not real or not math.isfinite(value) or not (any_sign or value > 0.0):
+        text = f"{value:g}" if real else shown(value)
         allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
         raise InputError(f"{name} = {text} is not possible; it must be a {allowed}.")
-    if value != 0.0 and not 1.0 / LARGEST <= abs(float(value)) <= LARGEST:
+    if value != 0.0 and not 1.0 / LARGEST <= abs(value) <= LARGEST:
         size = f"from {1.0 / LARGEST:g} to {LARGEST:g}"
-        raise InputError(f"{name} = {float(value):g} is not possible; its size must be {size}.")
-    return float(value)
+        raise InputError(f"{name} = {value:g} is not possible; its size must be {size}.")
+    return value
+
+
+def is_number(value: Any) -> bool:
+    """Tell whether a value is a real number, which a truth value is not."""
+    return isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+
+
+def as_float(value: Any) -> float:
+    """Return a real number as a float; infinite where that holds no such number."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def shown(value: Any) -> str:
+    """Return any value on one short line, as a sentence shows it."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= MOST_SHOWN else f"{text[:MOST_SHOWN]}…"
+
+
+def shape_of(value: Any) -> tuple[int, ...] | None:
+    """Return the shape of what may be an array; None where it has none."""
+    try:
+        return np.shape(value)
+    except (TypeError, ValueError):
+        return None
 
 
 def tolerance_of(value: Any) -> float:
@@ -100,7 +138,9 @@ def counter_of(counter: Any, *, counter_radius: Any, shape: tuple[int, int]) -> 
     """Return the counter-body's form, or its heights over the lowest, of a shape; None for a plane."""
     if counter_radius is not None:
         if counter is not None:
-            raise InputError(f"counter_radius = {counter_radius!r} and counter are given; give one of them.")
+            raise InputError(
+                f"counter_radius = {shown(counter_radius)} and counter are given; give one of them."
+            )
         counter = {"radius": number("counter_radius", counter_radius)}
     if counter is None:
         return None
@@ -121,14 +161,16 @@ def _form_of(keys: Mapping[str, Any]) -> Form:
     if unknown:
         raise InputError(f"counter has no {unknown[0]!r}; its keys are shape, {', '.join(FORM_KEYS)}.")
     shape = keys.get("shape", "ball")
+    shape = shape if isinstance(shape, str) else shown(shape)
     needed = FORM_KEYS[1:3] if shape == "crowned" else FORM_KEYS[:1]
     if missing := [key for key in needed if key not in keys]:
         raise InputError(f"counter of shape {shape!r} needs {missing[0]}.")
     values = {key: value for key, value in keys.items() if key != "shape"}
     for key, value in values.items():
-        if value != math.inf and (key != "edge_radius" or value != 0.0):
-            values[key] = number(f"counter {key}", value, optional=False)
-    return form_of(shape, **values)
+        of_edge = key == "edge_radius" and is_number(value) and value == 0.0
+        values[key] = 0.0 if of_edge else number(f"counter {key}", value, optional=False, limit=True)
+    unlimited = {key: math.inf if value is None else value for key, value in values.items()}
+    return form_of(shape, **unlimited)
 
 
 def _named(form: Form | FloatArray) -> str:
@@ -137,16 +179,23 @@ def _named(form: Form | FloatArray) -> str:
     return f"counter_radius = {1.0 / curvature:g}" if curvature else "a counter-body"
 
 
+def is_boundary(value: Any) -> TypeGuard[str]:
+    """Tell whether a value is the name of a boundary."""
+    return isinstance(value, str) and value in BOUNDARIES
+
+
 def boundary_of(boundary: str | None, modulus: float | None, form: Form | FloatArray | None) -> str | None:
     """Return the boundary of the half-space; None where there is no half-space."""
     if modulus is None:
         if boundary is not None:
             raise InputError(
-                f"boundary = {boundary!r} is only for a half-space; leave it out, or give a modulus."
+                f"boundary = {shown(boundary)} is only for a half-space; leave it out, or give a modulus."
             )
         return None
-    if boundary not in (None, *BOUNDARIES):
-        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic", "free" and "line".')
+    if boundary is not None and not is_boundary(boundary):
+        raise InputError(
+            f'boundary = {shown(boundary)} is unknown; allowed are "periodic", "free" and "line".'
+        )
     if form is None:
         return boundary or "periodic"
     may_repeat = not isinstance(form, Form) or not form.rises[1]

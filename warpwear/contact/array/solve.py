@@ -86,7 +86,7 @@ def solve_contact(
     load, mean_pressure, approach : float, optional
         One of the three; a mean pressure is the load over the area of the array.
     hardness : float, optional
-        Largest pressure of a cell; None for no such limit.
+        Largest pressure of a cell; None, or infinite, for no such limit.
     modulus : float, optional
         E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E).
     stiffness : float, optional
@@ -149,7 +149,7 @@ def solve_contact(
     load, mean_pressure = number("load", load), number("mean_pressure", mean_pressure)
     approach = number("approach", approach, any_sign=True)
     modulus, stiffness = number("modulus", modulus), number("stiffness", stiffness)
-    hardness = number("hardness", hardness)
+    hardness = number("hardness", hardness, limit=True)
     form = counter_of(counter, counter_radius=counter_radius, shape=surface.shape)
     check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
     check_choice("at most one", modulus=modulus, stiffness=stiffness)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpwear.contact.array.arguments import number, tolerance_of
+from warpwear.contact.array.arguments import number, shape_of, shown, tolerance_of
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import box_of
 from warpwear.contact.array.memory import claim
@@ -145,12 +145,13 @@ class _Bodies(NamedTuple):
 
 def _bodies_of(poisson: Any, modulus: float) -> _Bodies:
     """Return what Poisson's ratio of both bodies, or (young, poisson) of each, say."""
-    if np.ndim(poisson) == 0:
+    if shape_of(poisson) == ():
         ratio = _ratio(poisson)
         return _Bodies(ratio / (1.0 - ratio), 0.0)
-    if np.shape(poisson) != (2, 2):
+    if shape_of(poisson) != (2, 2):
         raise InputError(
-            f"poisson = {poisson!r} is not possible; it must be a number, or (young, poisson) of two bodies."
+            f"poisson = {shown(poisson)} is not possible; it must be a number, or (young, poisson) "
+            "of two bodies."
         )
     yielding = excess = beta = 0.0
     for sign, (young, ratio) in zip((1.0, -1.0), poisson, strict=True):
@@ -177,10 +178,10 @@ def _ratio(poisson: Any) -> float:
 
 def _along(name: str, value: Any) -> tuple[int, Pair]:
     """Return how many axes a number, or two, are about, and both components."""
-    if np.ndim(value) == 0:
+    if shape_of(value) == ():
         return 1, (number(name, value, any_sign=True, optional=False), 0.0)
-    if np.shape(value) != (2,):
-        raise InputError(f"{name} = {value!r} is not possible; it must be a number, or two.")
+    if shape_of(value) != (2,):
+        raise InputError(f"{name} = {shown(value)} is not possible; it must be a number, or two.")
     along, across = (number(name, one, any_sign=True, optional=False) for one in value)
     return 2, (along, across)
 
@@ -199,6 +200,11 @@ def _check(contact: ArrayContact, axes: int, previous: ShearedContact | None, bo
         )
     if previous is None:
         return
+    if not isinstance(previous, ShearedContact):
+        raise InputError(
+            f"previous of type {type(previous).__name__} is not possible; it must be what solve_tangential "
+            "returned, or left out."
+        )
     last = previous.contact
     if (last.pressure.shape, last.cell, last.boundary) != (
         contact.pressure.shape,

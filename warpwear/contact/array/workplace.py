@@ -89,7 +89,7 @@ def workplace(
 
     work: what is done there. check: raises InputError where there is too little memory for a new one.
     """
-    key, grid = (work, shape, device, threads), Grid(*shape, 1.0)
+    key, grid = (work, shape, str(device), threads), Grid(*shape, 1.0)
     place = _kept.pop(key, None)
     if place is None:
         if grid.cells >= LARGE or min(free_memory(device).values()) < SAID:

@@ -119,8 +119,8 @@ class Loads:
                 modes = fft.rfft(table, axis=1, workers=self._threads)
                 table = -modes.imag if odd else modes.real
             lines = np.moveaxis(table, axis, 0)
-            inner = lines[1:-1] if odd else lines
-            if self._boundary == "free" or (self._boundary == "line" and axis == 0):
+            inner = lines[1:-1] if odd else lines  # none of one row
+            if inner.size and (self._boundary == "free" or (self._boundary == "line" and axis == 0)):
                 inner[:] = (fft.dst if odd else fft.dct)(inner, type=1, axis=0, workers=self._threads)
             if odd:
                 lines[0] = 0.0

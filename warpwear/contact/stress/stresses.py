@@ -1,7 +1,7 @@
 """Stresses below a solved contact, or below any pressure and traction, from arguments to fields."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from warpwear import lazy
-from warpwear.contact.array.arguments import checked_heights, number
+from warpwear.contact.array.arguments import checked_heights, is_boundary, number, shape_of, shown
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.memory import claim
 from warpwear.contact.array.shear import ShearedContact
@@ -385,13 +385,18 @@ def stresses(
         contact = contact.contact
     if isinstance(contact, ArrayContact):
         if cell is not None:
-            raise InputError(f"cell = {cell!r} is not possible with a solved contact, which has its own.")
-        pressure, cell, boundary = contact.pressure, contact.cell, boundary or contact.boundary
+            raise InputError(
+                f"cell = {shown(cell)} is not possible with a solved contact, which has its own."
+            )
+        pressure, cell = contact.pressure, contact.cell
+        boundary = contact.boundary if boundary is None else boundary
     else:
         pressure, *_ = checked_heights(contact, workers, name="contact")
         cell = number("cell", cell, optional=False)
-    if boundary not in BOUNDARIES:
-        raise InputError(f'boundary = {boundary!r} has no stresses; it must be "periodic", "free" or "line".')
+    if not is_boundary(boundary):
+        raise InputError(
+            f'boundary = {shown(boundary)} has no stresses; it must be "periodic", "free" or "line".'
+        )
     ratio = number("poisson", poisson, any_sign=True, optional=False)
     if not 0.0 <= ratio <= 0.5:
         raise InputError(f"poisson = {ratio:g} is not possible; it must be from 0 to 0.5.")
@@ -415,7 +420,7 @@ def _depths_of(depths: npt.ArrayLike) -> FloatArray:
     """Return the depths as an array. Raises InputError."""
     try:
         places = np.atleast_1d(np.asarray(depths, dtype=np.float64))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         places = np.empty((0, 0))
     if (
         places.ndim != 1
@@ -424,7 +429,7 @@ def _depths_of(depths: npt.ArrayLike) -> FloatArray:
         or places[0] < 0.0
         or (np.diff(places) <= 0.0).any()
     ):
-        raise InputError(f"depths = {depths!r} are not possible; they must be lengths from 0, rising.")
+        raise InputError(f"depths = {shown(depths)} are not possible; they must be lengths from 0, rising.")
     return places
 
 
@@ -433,7 +438,7 @@ def _traction_of(traction: Any, shape: tuple[int, ...], threads: int) -> tuple[F
     traction = getattr(traction, "traction", traction)
     if traction is None:
         return None
-    if not hasattr(traction, "__len__") or len(traction) != 2:
+    if not isinstance(traction, Sequence | np.ndarray) or shape_of(traction) == () or len(traction) != 2:
         raise InputError(
             "traction is not possible; it must be a pair (qx, qy), or what has one as its traction."
         )

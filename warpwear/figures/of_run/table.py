@@ -128,7 +128,7 @@ class Plotter:
             if not names or (path.exists() and not path.read_bytes().startswith(HEAD.encode())):
                 return
             texts = [f"**{name}**: {self.caption(name)}" for name in names]
-            path.write_text("\n\n".join([HEAD, *texts]) + "\n", encoding="utf-8")
+            path.write_text("\n\n".join([HEAD, *texts]) + "\n", encoding="utf-8", errors="backslashreplace")
             add_figure(path)
 
     def save(self, name: str, folder: Path, *, file_format: str = "png", drawn: bytes | None = None) -> Path:

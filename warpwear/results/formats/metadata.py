@@ -7,6 +7,7 @@ and others, Scientific Data 9 (2022) 315) has a word for a quantity, it is named
 
 import json
 import mimetypes
+import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -55,7 +56,7 @@ Entity = dict[str, Any]
 def write_metadata(folder: Path, result: ResultFile) -> None:
     """Write the metadata of what every run leaves into a folder."""
     text = metadata(result, tomllib.loads(result.study.to_toml()), dict.fromkeys(FILES, ""))
-    (folder / NAME).write_text(text, encoding="utf-8")
+    (folder / NAME).write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str, str]) -> str:
@@ -66,7 +67,12 @@ def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str
     described: list[Entity] = []
     for name, note in files.items():
         about, encoding = FILES.get(name) or (note, mimetypes.guess_type(name)[0] or UNKNOWN)
-        entity: Entity = {"@id": quote(name), "@type": "File", "name": name, "description": about}
+        entity: Entity = {
+            "@id": quote(os.fsencode(name)),
+            "@type": "File",
+            "name": name,
+            "description": about,
+        }
         entity["encodingFormat"] = encoding
         if name in columns:
             quantities |= {column.name: column for column in columns[name]}
@@ -79,7 +85,11 @@ def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str
     described += [{"@id": license, "@type": "CreativeWork", "name": study.license}] if license else []
     return filled(
         NAME,
-        {"json": partial(json.dumps, ensure_ascii=False), "ids": _ids, "quote": quote},
+        {
+            "json": partial(json.dumps, ensure_ascii=False),
+            "ids": _ids,
+            "quote": partial(quote, errors="backslashreplace"),
+        },
         escape=False,
         crate=CRATE,
         words=TRIBODATA,

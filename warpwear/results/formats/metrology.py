@@ -73,4 +73,4 @@ def _main_xml(body: ExportedBody, sums: dict[str, str]) -> bytes:
         title=printable(body.title),
         **content,
     )
-    return main.encode()
+    return main.encode("utf-8", "backslashreplace")

@@ -38,7 +38,7 @@ def csv_files(job: Job) -> Files:
 
 def _write_fields(job: Job, name: str, number: int, path: Path) -> None:
     sheet = job.sheet(name, number)
-    with path.open("w", encoding="utf-8", newline="\n") as file:
+    with path.open("w", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
         file.write(_header(sheet, "x", "y"))
         columns = np.empty((sheet.y.size, 2 + len(sheet.fields)))
         columns[:, 1] = sheet.y
@@ -55,7 +55,7 @@ def _write_profile(job: Job, number: int, along: bool, path: Path) -> None:
     places, across = (sheet.x, sheet.y) if along else (sheet.y, sheet.x)
     middle = int(np.argmin(np.abs(across)))
     lines: list[FloatArray] = [v[:, middle] if along else v[middle] for v in sheet.fields.values()]
-    with path.open("w", encoding="utf-8", newline="\n") as file:
+    with path.open("w", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
         file.write(_header(sheet, "x" if along else "y"))
         np.savetxt(file, np.column_stack([places, *lines]), fmt=DIGITS, delimiter=",")
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.errors import escaped
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import UNITS
 from warpwear.results.formats.bodies import WRITABLE, Files, Job
@@ -50,7 +51,7 @@ def _write_film(job: Job, film: dict[int, str], path: Path) -> None:
     """Write the list of a film's files: its time is the sliding distance [mm]."""
     distances = job.result.snapshot_distances
     files = [(float(distances[number]), file) for number, file in film.items()]
-    path.write_text(filled("pvd.xml", files=files), encoding="utf-8", newline="\n")
+    path.write_text(filled("pvd.xml", files=files), encoding="utf-8", errors="backslashreplace", newline="\n")
 
 
 def _write_image(job: Job, name: str, number: int, path: Path) -> None:
@@ -125,7 +126,7 @@ def _write(path: Path, groups: Mapping[str, Mapping[str, Any]], **about: Any) ->
         appended.append(_packed(np.ascontiguousarray(values.swapaxes(0, 1))))
     before, _, after = filled("vtk.xml", groups=described, **about).rpartition("\n")
     with path.open("wb") as file:
-        file.writelines([before.encode(), *appended, b"\n", after.encode()])
+        file.writelines([escaped(before).encode(), *appended, b"\n", escaped(after).encode()])
 
 
 def _labelled(fields: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
