@@ -6,6 +6,8 @@ from warpwear.comparison.groups import MOST_NAMES, RunData, differences, listed,
 from warpwear.ensembles.ensemble import Group
 from warpwear.measured.course import check_coverage
 from warpwear.measured.experiment import Experiment
+from warpwear.measured.motion import Motion
+from warpwear.measured.tribometer import OTHER_STROKE
 
 INTERRUPTED = "interrupted before the end."
 NO_COF = "no coefficient of friction: its end calibrates it."
@@ -39,6 +41,19 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     yield from told(missing, len(runs))
     for e in experiments:
         yield from (f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, runs), *_gaps(e, runs)))
+
+
+def other_motion(given: Motion, of_runs: Motion) -> Iterator[str]:
+    """Say in what the motion that is given of an experiment differs from the runs'."""
+    pairs = {
+        "stroke": (given.stroke, of_runs.stroke, "mm"),
+        "speed": (given.speed, of_runs.run_speed, "mm/s"),
+    }
+    radius = given.radius[0] if isinstance(given.radius, list) and len(given.radius) == 1 else None
+    pairs["radius of the track"] = radius, of_runs.radius, "mm"
+    for what, (value, runs, unit) in pairs.items():
+        if value and isinstance(runs, float) and abs(value - runs) > OTHER_STROKE * runs:
+            yield f"Warning: a {what} of {value:g} {unit} is given, where the run has {runs:g} {unit}."
 
 
 def _lengths(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:

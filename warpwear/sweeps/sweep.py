@@ -130,7 +130,11 @@ def make_sweep(
     `make_runs`. Raises InputError.
     """
     study = plan.study
-    motion: Any = {"speed": study.sliding.speed, "stroke": study.sliding.stroke, "radius": study.same_radius}
+    motion: Any = {
+        "run_speed": study.sliding.speed,
+        "stroke": study.sliding.stroke,
+        "radius": study.same_radius,
+    }
     measured = tuple(read_experiment(path, load=study.same_load, **motion) for path in experiments)
     if out is not None:
         check_folder(out, resume=resume, files=FILES)
