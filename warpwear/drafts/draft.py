@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -35,6 +36,8 @@ RIGS = {
 }
 #: Column of a draft at which comments begin, where a value is short enough.
 COLUMN = 32
+#: A commented table, and keys that were set below it, which are the section's above.
+_BELOW_COMMENT = re.compile(r"(^\n(?:^# .*\n)+)((?:^\w+ = .*\n)+)", re.MULTILINE)
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -137,7 +140,7 @@ def draft(
     change(document, _grid(document, wanted, folder))
     _study(document.unwrap(), folder)  # what is no study is refused before anything is written
     _align(document)
-    return tomlkit.dumps(document)
+    return _BELOW_COMMENT.sub(r"\2\1", tomlkit.dumps(document))
 
 
 def _unlined(document: Any) -> None:
