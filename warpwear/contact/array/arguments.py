@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -58,6 +58,34 @@ def checked_heights(
     return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
 
+class HeightMap(Protocol):
+    """A measured surface has heights at points that lie a pixel apart."""
+
+    @property
+    def heights(self) -> FloatArray:
+        """Return the heights [mm], shape (nx, ny)."""
+
+    @property
+    def pixel(self) -> tuple[float, float]:
+        """Return the distances of the points along both axes [mm]."""
+
+
+def map_of(heights: npt.ArrayLike | HeightMap, cell: float | None) -> tuple[Any, float | None]:
+    """Return heights and cell, of a measured surface its heights and its pixel. Raises InputError."""
+    if not hasattr(heights, "heights") or not hasattr(heights, "pixel"):
+        return heights, cell
+    measured = cast("HeightMap", heights)
+    pixel = measured.pixel
+    if not math.isclose(*pixel, rel_tol=1e-9):
+        raise InputError(
+            f"heights with pixels of {pixel[0]:g} by {pixel[1]:g} mm are not possible; square cells are, at "
+            "which .surface.heights(x, y) gives them."
+        )
+    if cell is not None and cell != pixel[0]:
+        raise InputError(f"cell = {cell!r} is not the pixel of heights, {pixel[0]:g} mm; leave it out.")
+    return measured.heights, pixel[0]
+
+
 def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:
     """Return an argument as a float, None where it is left out. Raises InputError for what is not allowed."""
     if value is None and optional:
@@ -66,6 +94,7 @@ def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = Tr
     if not is_number or not math.isfinite(value) or not (any_sign or value > 0.0):
         text = f"{float(value):g}" if is_number else repr(value)
         allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
+        allowed += ", without a unit" if isinstance(value, str) else ""
         raise InputError(f"{name} = {text} is not possible; it must be a {allowed}.")
     if value != 0.0 and not 1.0 / LARGEST <= abs(float(value)) <= LARGEST:
         size = f"from {1.0 / LARGEST:g} to {LARGEST:g}"
