@@ -35,7 +35,8 @@ class WearCalibration(Repeated):
     hardness : float or None
         Hardness [MPa] of the dimensionless coefficient.
     relation, worn : str
-        How the volumes follow from what was measured, and the body that has worn; None where it is uncertain.
+        How the volumes follow from what was measured, and the body that has worn; None where `volume` does
+        not say which body.
     """
 
     volumes: tuple[WornVolume, ...]
@@ -74,6 +75,16 @@ class WearCalibration(Repeated):
     def dimensionless(self) -> float | None:
         """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
         return None if self.hardness is None else self.mean * self.hardness
+
+    @property
+    def mean(self) -> float:
+        """Give the mean K [mm²/N], times 1000 in mm³/(N·m); a study takes `in_study`, with the unit."""
+        return super().mean
+
+    @property
+    def in_study(self) -> str:
+        """Return K as a study takes it, with its unit; `Study.replace` takes it of the calibration itself."""
+        return f"{1e3 * self.mean!r} mm^3/N/m"
 
     def _title(self) -> str:
         works = {f.value * d.value for f, d in zip(self.loads, self.distances, strict=True)}

@@ -142,7 +142,7 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     for name, value in flat.items():
         for other in _dropped_by(name) - set(flat) - ({"block"} & numbered):
             _remove(nested, other)
-        insert(nested, name, value)
+        insert(nested, name, getattr(value, "in_study", value))  # a calibration's text
         assumed = nested.get("assumed")
         if not isinstance(assumed, dict):
             continue
