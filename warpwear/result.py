@@ -49,7 +49,7 @@ class Result(ResultFile):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
+        """What `summary.json` says: verdict, scar, depths, volumes, areas, friction, checks, assumptions."""
         return summarise(self)
 
     def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:

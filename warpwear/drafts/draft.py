@@ -60,7 +60,8 @@ def new_study(
     like
         The rig: "reciprocating", "rotating", "fretting", "pin" or "block-on-ring".
     surface
-        Measured surface of the disc or flat, whose pixel sets the cells; made-up without one.
+        File of a measured surface of the disc or flat. Its pixel becomes grid.cell; without a file a
+        synthetic surface is used.
     changes
         Keys to change, by their names with dots, as `Study.replace` takes them.
     overwrite

@@ -86,7 +86,7 @@ def sweep(
     InputError
         For what makes no sweep.
     TypeError
-        For an option that there is not.
+        For an unknown option.
 
     References
     ----------
