@@ -124,7 +124,7 @@ def test_turns_need_the_radius_of_their_track_and_not_the_runs_speed(runs: Path,
     assert told.distance.tolist() == pytest.approx([0.0, 6.0 * np.pi, 12.0 * np.pi])
     by_time = gather([runs / "a"], [record], speed="1 mm/s")  # as asked
     assert by_time.experiments[0].distance.tolist() == [0.0, 60.0, 120.0]
-    assert "Warning: a speed of 1 mm/s is given, where the run has 0.333333 mm/s." in by_time.notes
+    assert "Warning: speed 1 mm/s is given, the run has 0.333333 mm/s." in by_time.notes
     assert "--radius" in refusal(runs / "a", "--experiment", record)
     read = warpwear.read_record(record, radius="0.1 mm")
     taken = warpwear.compare(runs / "a", experiments=[read])  # with what it was read with
@@ -139,7 +139,7 @@ def test_a_raw_record_is_told_by_its_last_cycle_and_its_load(runs: Path, tmp_pat
     table = np.column_stack([np.where(part % 2 < 1, 1.5, -1.5), np.full(1600, 5.0), position])
     record = tmp_path / "raw.csv"
     np.savetxt(record, table, delimiter=";", header="Fx (N);Fz (N);X position (mm)", comments="", fmt="%.6f")
-    with pytest.raises(InputError, match=r"30 mm by the position, not 10 mm: stroke='30 mm' of record and"):
+    with pytest.raises(InputError, match=r"30 mm by the position, not 10 mm: pass stroke='30 mm'"):
         gather([runs / "a"], [record], stroke="10 mm")
     notes = gather([runs / "a"], [record], stroke="30 mm").notes
     assert notes[0] == "raw: Warning: the median of the normal force is 5 N where the run has 8 N."

@@ -65,8 +65,8 @@ def test_a_measured_surface_brings_its_cell(tmp_path: Path) -> None:
     plain = warpwear.solve_contact(surface.heights, cell=0.002, mean_pressure=2e3, modulus=1e5)
     np.testing.assert_array_equal(contact.pressure, plain.pressure)
     for heights, cell, text in (
-        (surface, 2e-6, r"cell = 2e-06 is not the pixel of heights, 0\.002 mm; leave it out"),
-        (read(pixel=("2 um", "3 um")), None, r"pixels of 0\.002 by 0\.003 mm are not possible; square"),
+        (surface, 2e-6, r"cell = 2e-06 is not possible with pixels of \(0\.002, 0\.002\) mm; squares"),
+        (read(pixel=("2 um", "3 um")), None, r"pixels of \(0\.002, 0\.003\) mm; squares are the cell"),
         (HEIGHTS, "2 um", r"cell = '2 um' is not possible; it must be a positive, finite number, without a"),
         (HEIGHTS, None, "cell = None is not possible"),
     ):

@@ -26,6 +26,8 @@ STANDARDS = {
 class WearCalibration(Repeated):
     """Wear coefficients K [mm²/N] (1e-3 mm³/(N·m), 1e-6 Pa) of one worn body, of one or several tests.
 
+    `mean` is the mean K [mm²/N], times 1000 in mm³/(N·m). Give a study the unit: `in_study`, or the whole.
+
     Attributes
     ----------
     volumes : tuple of WornVolume
@@ -75,11 +77,6 @@ class WearCalibration(Repeated):
     def dimensionless(self) -> float | None:
         """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
         return None if self.hardness is None else self.mean * self.hardness
-
-    @property
-    def mean(self) -> float:
-        """Give the mean K [mm²/N], times 1000 in mm³/(N·m); a study takes `in_study`, with the unit."""
-        return super().mean
 
     @property
     def in_study(self) -> str:

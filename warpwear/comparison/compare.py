@@ -194,9 +194,7 @@ def check_choice(
         )
 
 
-def _named(
-    courses: Sequence[Experiment], paths: Sequence[Path], taken: Sequence[str]
-) -> tuple[Experiment, ...]:
+def _named(courses: list[Experiment], paths: list[Path], taken: Sequence[str]) -> tuple[Experiment, ...]:
     """Name measured courses of friction by their files, unlike the names that groups have taken."""
     stems = Counter(path.stem for path in paths)
     names = [path.name if stems[path.stem] > 1 else path.stem for path in paths]

@@ -1,12 +1,15 @@
 """What is to be said about runs and measured courses that are laid over each other."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from warpwear.comparison.groups import MOST_NAMES, RunData, differences, listed, told
 from warpwear.ensembles.ensemble import Group
 from warpwear.measured.course import check_coverage
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.motion import Motion
+from warpwear.measured.motion import UNITS, Motion
 from warpwear.measured.tribometer import OTHER_STROKE
 
 INTERRUPTED = "interrupted before the end."
@@ -45,15 +48,10 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
 
 def other_motion(given: Motion, of_runs: Motion) -> Iterator[str]:
     """Say in what the motion that is given of an experiment differs from the runs'."""
-    pairs = {
-        "stroke": (given.stroke, of_runs.stroke, "mm"),
-        "speed": (given.speed, of_runs.run_speed, "mm/s"),
-    }
-    radius = given.radius[0] if isinstance(given.radius, list) and len(given.radius) == 1 else None
-    pairs["radius of the track"] = radius, of_runs.radius, "mm"
-    for what, (value, runs, unit) in pairs.items():
-        if value and isinstance(runs, float) and abs(value - runs) > OTHER_STROKE * runs:
-            yield f"Warning: a {what} of {value:g} {unit} is given, where the run has {runs:g} {unit}."
+    for what, runs in vars(replace(of_runs, speed=of_runs.run_speed, run_speed=None)).items():
+        mine, unit = getattr(given, what), UNITS.get(what)
+        if mine and runs and np.size(mine) == 1 and not np.allclose(mine, runs, rtol=OTHER_STROKE):
+            yield f"Warning: {what} {np.mean(mine):g} {unit} is given, the run has {runs:g} {unit}."
 
 
 def _lengths(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:

@@ -52,10 +52,7 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -
     """
     for young, poisson in (first, second):
         if not (young > 0.0 and -1.0 < poisson <= 0.5):
-            raise InputError(
-                f"young = {young:g}, poisson = {poisson:g}: a positive modulus and a Poisson's ratio above "
-                "-1, up to 0.5, are expected"
-            )
+            raise InputError(f"young = {young:g}, poisson = {poisson:g}: above 0, and -1 to 0.5, are allowed")
     return 1.0 / sum((1.0 - poisson**2) / young for young, poisson in (first, second))
 
 

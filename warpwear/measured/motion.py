@@ -13,6 +13,8 @@ from warpwear.measured.rows import RecordRows
 
 #: Of a track: a number in mm or text with its unit, one or one for each step, "6 mm, 9 mm".
 Radius: TypeAlias = float | str | Sequence[float | str]
+#: Units of what a person gives.
+UNITS = {"stroke": "mm", "speed": "mm/s", "radius": "mm", "load": "N"}
 #: A speed below this share of the largest is rest.
 REST = 0.01
 #: Part of the rows, and of the distance, by which a counter may slip back.
@@ -44,18 +46,15 @@ class Motion:
         return replace(other, **{name: value for name, value in vars(self).items() if value is not None})
 
 
-def motion_of(
-    *, radius: Radius | None = None, stroke: Any = None, speed: Any = None, load: Any = None
-) -> Motion:
-    """Return the numbers that a person gives, as numbers or as text with units. Raises InputError."""
+def motion_of(*, radius: Radius | None = None, **others: Any) -> Motion:
+    """Return the numbers that a person gives, as numbers or as text with units. Raises InputError.
+
+    others: stroke, speed and load, None where they are not known.
+    """
     radii = with_unit(radius.split(",") if isinstance(radius, str) else radius, "mm")
     tracks = radii if isinstance(radii, list) else [] if radii is None else [radii]
-    return Motion(
-        radius=[quantity("--radius", track, "mm") for track in tracks] or None,
-        stroke=optional("--stroke", stroke, "mm"),
-        speed=optional("--speed", speed, "mm/s"),
-        load=optional("--load", load, "N"),
-    )
+    known = {name: optional(f"--{name}", value, UNITS[name]) for name, value in others.items()}
+    return Motion(radius=[quantity("--radius", track, "mm") for track in tracks] or None, **known)
 
 
 def moving(rows: RecordRows) -> tuple[RecordRows, list[str]]:

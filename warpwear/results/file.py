@@ -210,11 +210,7 @@ class ResultFile:
         "Hold the load of each patch [N], (steps, patches); a patch is macro cell number x · across + y.",
         NO_PATCHES,
     )
-    area_patch = _stored(
-        "history/area_patch",
-        "Hold the area of each patch [mm²], shape (steps, patches), as load_share.",
-        NO_PATCHES,
-    )
+    area_patch = _stored("history/area_patch", "Hold each patch's area [mm²], as load_share.", NO_PATCHES)
     macro_x = _stored("macro/x", "Hold the places of macro cells along x [mm], (across,).", NO_PATCHES)
     macro_y = _stored("macro/y", "Hold the places of macro cells along y [mm], (across,).", NO_PATCHES)
 

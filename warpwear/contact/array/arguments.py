@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any, Protocol, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -58,32 +58,14 @@ def checked_heights(
     return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
 
-class HeightMap(Protocol):
-    """A measured surface has heights at points that lie a pixel apart."""
-
-    @property
-    def heights(self) -> FloatArray:
-        """Return the heights [mm], shape (nx, ny)."""
-
-    @property
-    def pixel(self) -> tuple[float, float]:
-        """Return the distances of the points along both axes [mm]."""
-
-
-def map_of(heights: npt.ArrayLike | HeightMap, cell: float | None) -> tuple[Any, float | None]:
+def map_of(heights: Any, cell: float | None) -> tuple[Any, float | None]:
     """Return heights and cell, of a measured surface its heights and its pixel. Raises InputError."""
     if not hasattr(heights, "heights") or not hasattr(heights, "pixel"):
         return heights, cell
-    measured = cast("HeightMap", heights)
-    pixel = measured.pixel
-    if not math.isclose(*pixel, rel_tol=1e-9):
-        raise InputError(
-            f"heights with pixels of {pixel[0]:g} by {pixel[1]:g} mm are not possible; square cells are, at "
-            "which .surface.heights(x, y) gives them."
-        )
-    if cell is not None and cell != pixel[0]:
-        raise InputError(f"cell = {cell!r} is not the pixel of heights, {pixel[0]:g} mm; leave it out.")
-    return measured.heights, pixel[0]
+    pixel = heights.pixel
+    if cell not in (None, pixel[0]) or not math.isclose(*pixel, rel_tol=1e-9):
+        raise InputError(f"cell = {cell!r} is not possible with pixels of {pixel} mm; squares are the cell.")
+    return heights.heights, pixel[0]
 
 
 def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:

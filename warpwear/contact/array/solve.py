@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from warpwear.contact.array.arguments import (
-    HeightMap,
     boundary_of,
     check_choice,
     checked_heights,
@@ -54,7 +53,7 @@ FEWEST_CELLS = 9
 
 
 def solve_contact(
-    heights: npt.ArrayLike | HeightMap,
+    heights: npt.ArrayLike | Any,
     *,
     cell: float | None = None,
     load: float | None = None,
@@ -81,7 +80,8 @@ def solve_contact(
     ----------
     heights : array or MeasuredSurface
         Heights of the surface, positive out of the material, shape (nx, ny), axis 0 = x; a constant offset
-        does not matter. A measured surface [mm] has square pixels.
+        does not matter. A measured surface [mm] has square pixels; of another take arrays of its
+        ``.surface.heights(x, y)``.
     cell : float
         Width of the square cells; of a measured surface its pixel.
     load, mean_pressure, approach : float, optional
