@@ -60,7 +60,8 @@ class FrictionRecord(FileReport, WrittenAsFolder):
 
     def __fspath__(self) -> str:
         """Say what to give where a file is expected. Raises InputError."""
-        raise InputError(f"a record that was read is no file: write it, and give its {TABLE}")
+        where = "compare takes it in experiments; elsewhere write it, and give its"
+        raise InputError(f"a record that was read is no file: {where} {TABLE}")
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         figures = figures_of(self.analysis)
