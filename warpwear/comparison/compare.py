@@ -158,9 +158,7 @@ def compare(
     )
     asked = motion_of(speed=speed, stroke=stroke, radius=radius)
     own = [asked.over(one.motion) if isinstance(one, FrictionRecord) else asked for one in given]
-    rows = [
-        one.analysis.rows if isinstance(one, FrictionRecord) else read_rows(one, columns) for one in given
-    ]
+    rows = [e.analysis.rows if isinstance(e, FrictionRecord) else read_rows(e, columns) for e in given]
     courses = [experiment_of(r, m.over(of_runs)) for r, m in zip(rows, own, strict=True)]
     measured = _named(courses, records, [group.name for group in groups])
     groups = [replace(g, rows=tuple(_beside(run, measured) for run in g.rows)) for g in groups]

@@ -48,7 +48,7 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -
     Examples
     --------
     >>> round(warpwear.effective_modulus((210e3, 0.3), (193e3, 0.29)))  # MPa
-    110120
+    110145
     """
     for young, poisson in (first, second):
         if not (young > 0.0 and -1.0 < poisson <= 0.5):
