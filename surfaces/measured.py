@@ -28,6 +28,7 @@ MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
+ROWS = 32  # at each end of a lap, whose steps are compared with that where it closes
 #: Columns that a profile is taken for, enough for a spline, and their distance [mm]: wider than any domain.
 COLUMNS, WIDE = 16, 100.0
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
@@ -156,6 +157,17 @@ class Measured:
             f"{' and '.join(texts)}, {times:.2g} times Sq about the mean plane; "
             + ('disc.level = "plane" takes off a tilt, ' if self.details.get("level") == "none" else "")
             + 'disc.extend = "mirror" has no such step'
+        ]
+
+    def lap_seam(self, x: FloatArray, y: FloatArray) -> list[str]:
+        """Say how high the step from the last of the rows x [mm] to the first is, where it stands out."""
+        first, last = self.heights(x[:ROWS], y), self.heights(x[-ROWS:], y)
+        seam = _rms(first[0] - last[-1])
+        if seam <= SEAM * _rms(np.diff([first, last], axis=1)):
+            return []
+        return [
+            f"The disc's surface does not repeat after sliding.track = {x.size * spacing(x):g} mm: it has a "
+            f"seam of {_um(seam)} rms where the lap closes."
         ]
 
     def record(self) -> dict[str, Any]:

@@ -37,6 +37,7 @@ from warpwear.errors import InvariantError as InvariantError
 from warpwear.errors import StudyWarning as StudyWarning
 from warpwear.history.snapshot import Snapshot as Snapshot
 from warpwear.laws.archard import WearLaw as WearLaw
+from warpwear.laws.elastic import effective_modulus as effective_modulus
 from warpwear.laws.friction import FrictionLaw as FrictionLaw
 from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
 from warpwear.measured.friction.record import read_record as read_record

@@ -14,6 +14,7 @@ from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.summary import summarise
+from warpwear.study.rules import without_unit
 from warpwear.study.surface import surface_in
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
@@ -48,7 +49,7 @@ class Result(ResultFile):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
+        """What `summary.json` says: verdict, scar, depths, volumes, areas, friction, checks, assumptions."""
         return summarise(self)
 
     def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -182,7 +183,9 @@ class Result(ResultFile):
         return resolve(PLOTTER)(self)
 
     def __str__(self) -> str:
-        return ending(self) if self._file else repr(self)
+        bare = " and ".join(without_unit(self.study))
+        told = f"\n  no unit          {bare}: taken as k of V = k F L / H, not as K" if bare else ""
+        return ending(self) + told if self._file else repr(self)
 
     def _repr_html_(self) -> str:
         """Draw a notebook's view of the result."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import integrate
 
+import warpwear
 from warpwear.calibration.coefficient import WearCalibration
 from warpwear.calibration.energy import EnergyCalibration
 from warpwear.calibration.friction import fit_friction
@@ -125,6 +126,18 @@ def test_units_and_replicates():
     assert single.deviation is None
     assert 1e3 * single.uncertainty == pytest.approx(0.001 / 19.2)
     assert wear_coefficient([volume_given(0.018)], load=8.0, distance=2400.0).uncertainty is None
+
+
+def test_a_study_takes_a_calibration_with_its_unit():
+    found = warpwear.calibrate_wear([{"volume": "0.019 mm^3"}], load="8 N", distance="2400 mm")
+    fine = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.1 mm"})
+    taken = fine.replace({"wear.disc": found})
+    assert taken.wear_coefficients[1] == pytest.approx(found.mean, rel=1e-14)
+    assert taken == fine.replace(wear={"disc": found}) == fine.replace({"wear.disc": found.in_study})
+    bare = fine.replace({"wear.disc": found.mean, "output.snapshots": []})
+    with pytest.warns(warpwear.StudyWarning, match="a K has a unit"):
+        text = str(warpwear.run(bare))
+    assert f"wear.disc = {found.mean:g}: taken as k of V = k F L / H, not as K" in text
 
 
 def test_the_numbers_of_the_thesis():

@@ -189,3 +189,16 @@ def test_a_draft_runs_with_its_layers(kind: str) -> None:
     done = invoke("run", "a.toml", "--no-plots")
     assert done.exit_code == 0, done.exception
     assert "layers_disc" in (Path("a") / "summary.json").read_text()
+
+
+@pytest.mark.parametrize("kind", ["reciprocating", "rotating"])
+def test_a_measured_disc_keeps_its_surface_when_a_layer_is_uncommented(kind: str) -> None:
+    shutil.copy(GROUND, "disc.x3p")
+    drafted("--like", kind, "--surface", "disc.x3p", changes={"disc.hardness": "3 GPa"})
+    text = Path("a.toml").read_text("utf-8")
+    start = text.index("# [[disc.layers]]")
+    commented, end = text[start:].split("\n\n", 1)
+    uncommented = "\n".join(line.removeprefix("# ") for line in commented.splitlines())
+    disc = tomlkit.parse(f"{text[:start]}{uncommented}\n\n{end}").unwrap()["disc"]
+    assert (disc["surface"], disc["extend"], disc["hardness"]) == ("disc.x3p", "mirror", "3 GPa")
+    assert set(disc["layers"][0]) == {"name", "thickness", "wear", "hardness"}

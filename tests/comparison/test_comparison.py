@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from cases_comparison import gather
+from cases_comparison import gather, refusal
 
 import warpwear
 from warpwear import Study
@@ -115,12 +115,32 @@ def test_time_takes_the_runs_speed_unless_they_differ(runs: Path, tmp_path: Path
     assert "record: It is 0.12 mm long, the run 30 mm." in single.notes
 
 
+def test_turns_need_the_radius_of_their_track_and_not_the_runs_speed(runs: Path, tmp_path: Path) -> None:
+    record = tmp_path / "turns.csv"
+    record.write_text("Time (s),Laps,COF\n0,0,0.1\n60,30,0.2\n120,60,0.2\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"gives turns, 'Laps', and no distance: .* such as radius '6 mm'"):
+        gather([runs / "a"], [record])
+    told = gather([runs / "a"], [record], radius="0.1 mm").experiments[0]
+    assert told.distance.tolist() == pytest.approx([0.0, 6.0 * np.pi, 12.0 * np.pi])
+    by_time = gather([runs / "a"], [record], speed="1 mm/s")  # as asked
+    assert by_time.experiments[0].distance.tolist() == [0.0, 60.0, 120.0]
+    assert "Warning: speed 1 mm/s is given, the run has 0.333333 mm/s." in by_time.notes
+    assert "--radius" in refusal(runs / "a", "--experiment", record)
+    read = warpwear.read_record(record, radius="0.1 mm")
+    taken = warpwear.compare(runs / "a", experiments=[read])  # with what it was read with
+    assert taken.experiments[0].name == "turns"
+    assert taken.experiments[0].distance.tolist() == told.distance.tolist()
+    assert warpwear.compare(runs / "a", experiments=read).experiments[0].cof.tolist() == told.cof.tolist()
+
+
 def test_a_raw_record_is_told_by_its_last_cycle_and_its_load(runs: Path, tmp_path: Path) -> None:
     part = np.arange(1600) / 200  # of a pass of 30 mm, eight of them
     position = 30.0 * np.where(part % 2 < 1, part % 1, 1 - part % 1)
     table = np.column_stack([np.where(part % 2 < 1, 1.5, -1.5), np.full(1600, 5.0), position])
     record = tmp_path / "raw.csv"
     np.savetxt(record, table, delimiter=";", header="Fx (N);Fz (N);X position (mm)", comments="", fmt="%.6f")
+    with pytest.raises(InputError, match=r"30 mm by the position, not 10 mm: pass stroke='30 mm'"):
+        gather([runs / "a"], [record], stroke="10 mm")
     notes = gather([runs / "a"], [record], stroke="30 mm").notes
     assert notes[0] == "raw: Warning: the median of the normal force is 5 N where the run has 8 N."
     (told,) = (note for note in notes if "last cycle" in note)

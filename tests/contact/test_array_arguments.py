@@ -1,6 +1,8 @@
 """What solve_contact refuses, or tells of, in its arguments and in what it finds."""
 
 import warnings
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,3 +54,27 @@ def test_a_contact_of_few_cells_is_told() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warpwear.solve_contact(HEIGHTS, mean_pressure=0.05, **LAW)
+
+
+def test_a_measured_surface_brings_its_cell(tmp_path: Path) -> None:
+    np.save(tmp_path / "disc.npy", HEIGHTS)
+    read = partial(warpwear.read_surface, tmp_path / "disc.npy", height_unit="um")
+    surface = read(pixel="2 um")
+    contact = warpwear.solve_contact(surface, mean_pressure=2e3, modulus=1e5)
+    assert contact.cell == 0.002
+    plain = warpwear.solve_contact(surface.heights, cell=0.002, mean_pressure=2e3, modulus=1e5)
+    np.testing.assert_array_equal(contact.pressure, plain.pressure)
+    for heights, cell, text in (
+        (surface, 2e-6, r"cell = 2e-06 is not possible with pixels of \(0\.002, 0\.002\) mm; squares"),
+        (read(pixel=("2 um", "3 um")), None, r"pixels of \(0\.002, 0\.003\) mm; squares are the cell"),
+        (HEIGHTS, "2 um", r"cell = '2 um' is not possible; it must be a positive, finite number, without a"),
+        (HEIGHTS, None, "cell = None is not possible"),
+    ):
+        with pytest.raises(InputError, match=text):
+            warpwear.solve_contact(heights, cell=cell, mean_pressure=2e3, modulus=1e5)
+
+
+def test_two_bodies_have_one_modulus() -> None:
+    assert warpwear.effective_modulus((2e5, 0.3), (1e5, 0.2)) == pytest.approx(1 / (0.91 / 2e5 + 0.96 / 1e5))
+    with pytest.raises(InputError, match=r"poisson = 0\.7"):
+        warpwear.effective_modulus((2e5, 0.7), (1e5, 0.2))

@@ -25,6 +25,7 @@ LEFT_OUT = {
     "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests run one like it"},
     "docs/reference/commands-in-python.md": {
         "study.wear_laws": "tests/docs/test_commands_in_python.py runs it",
+        "effective_modulus(": "tests/docs/test_commands_in_python.py runs it",
     },
     "docs/developer/programs.md": {"program.loop(": "a part of warpwear/contact/search.py"},
     "docs/developer/kernels.md": {

@@ -103,8 +103,29 @@ def test_rows_do_what_the_commands_do(
     assert Path("drawn/runs").resolve() == Path("shared").resolve()
 
 
+def boxes() -> list[str]:
+    """What stands beside no command: laws, and one contact."""
+    return re.findall(r"^```python\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.M)
+
+
+@pytest.mark.usefixtures("blank")
+def test_one_contact_of_two_materials(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (box,) = boxes()[1:]
+    assert len(box.strip().splitlines()) <= 10
+    surface = warpwear.read_surface(DOCS / "files" / "ground-disc.x3p", crop="0.3 mm")
+    space: dict[str, Any] = {"warpwear": warpwear, "surface": surface}
+    exec(box, space)
+    contact = space["contact"]
+    assert contact.cell == surface.pixel[0]
+    assert contact.load == pytest.approx(5.0, rel=1e-9)
+    assert contact.mean_real_pressure == pytest.approx(contact.load / contact.area)
+    assert contact.mean_real_pressure > 2.0 * contact.mean_pressure
+    assert Path("pressure.png").is_file()
+
+
 def test_laws_are_functions_of_arrays() -> None:
-    (box,) = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text("utf-8"), re.DOTALL | re.M)
+    box = boxes()[0]
     space: dict[str, Any] = {}
     exec(box, space)
     assert space["k_disc"].shape == space["stress"].shape == (2, 3)

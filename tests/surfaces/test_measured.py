@@ -147,6 +147,17 @@ def test_says_how_high_the_seam_is(rough):
     assert not any("do not fit" in notice for notice in inside)
 
 
+def test_says_how_high_the_step_is_where_a_lap_closes(rough):
+    """A mirrored map repeats after twice its length; half a millimetre of a slope of 10 µm does not."""
+    tilted = np.cumsum(rough, axis=0) + np.linspace(0.0, 0.01, 60)[:, None]
+    mirrored = measured(tilted, extend="mirror")
+    assert mirrored.lap_seam(centres(120), centres(20)) == []
+    assert measured(rough).lap_seam(centres(50), centres(20)) == []  # as between other rows
+    (seam,) = measured(tilted).lap_seam(centres(60), centres(40))
+    step = 1e3 * np.sqrt(np.mean((tilted[0] - tilted[-1]) ** 2))
+    assert f"sliding.track = 0.06 mm: it has a seam of {step:.4g} µm rms" in seam
+
+
 def test_says_when_slopes_depend_on_the_shortest_wave(rough):
     same = centres(20)
     (notice,) = measured(rough).notices(same, same)

@@ -26,6 +26,8 @@ STANDARDS = {
 class WearCalibration(Repeated):
     """Wear coefficients K [mm²/N] (1e-3 mm³/(N·m), 1e-6 Pa) of one worn body, of one or several tests.
 
+    `mean` is the mean K [mm²/N], times 1000 in mm³/(N·m). Give a study the unit: `in_study`, or the whole.
+
     Attributes
     ----------
     volumes : tuple of WornVolume
@@ -35,7 +37,8 @@ class WearCalibration(Repeated):
     hardness : float or None
         Hardness [MPa] of the dimensionless coefficient.
     relation, worn : str
-        How the volumes follow from what was measured, and the body that has worn; None where it is uncertain.
+        How the volumes follow from what was measured, and the body that has worn; None where `volume` does
+        not say which body.
     """
 
     volumes: tuple[WornVolume, ...]
@@ -74,6 +77,11 @@ class WearCalibration(Repeated):
     def dimensionless(self) -> float | None:
         """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
         return None if self.hardness is None else self.mean * self.hardness
+
+    @property
+    def in_study(self) -> str:
+        """Return K as a study takes it, with its unit; `Study.replace` takes it of the calibration itself."""
+        return f"{1e3 * self.mean!r} mm^3/N/m"
 
     def _title(self) -> str:
         works = {f.value * d.value for f, d in zip(self.loads, self.distances, strict=True)}

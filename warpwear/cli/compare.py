@@ -21,6 +21,7 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.option("--overwrite", is_flag=True, help="Replace the comparison that the folder holds.")
 @click.option("--speed", help="Of an experiment that gives times. [default: that of the runs]")
 @click.option("--stroke", help="Of an experiment that gives cycles or positions. [default: that of the runs]")
+@click.option("--radius", help="Track's, of an experiment that gives turns. [default: that of the runs]")
 @click.option(
     "--columns",
     metavar="NAMES",

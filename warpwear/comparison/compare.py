@@ -10,17 +10,19 @@ from typing import Any, Unpack
 from warpwear.comparison.courses import rms_of_constant
 from warpwear.comparison.figures import FIGURES, figures_of
 from warpwear.comparison.groups import RunData, folders_of, grouped, is_sweep, read_run, unlike
-from warpwear.comparison.notes import notes_of
+from warpwear.comparison.notes import notes_of, other_motion
 from warpwear.comparison.page import page
 from warpwear.comparison.scar import ScarFiles, compare_scar
 from warpwear.comparison.table import UNITS, Comparison, to_text, values_of, write_json, write_table
 from warpwear.ensembles.ensemble import rms_difference
 from warpwear.errors import InputError, in_python, named_in_python
 from warpwear.figures.style import check_format
-from warpwear.measured.course import read_experiment
+from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.options import flag, optional, refuse
-from warpwear.measured.rows import Paths
+from warpwear.measured.friction.record import FrictionRecord
+from warpwear.measured.motion import Motion, Radius, motion_of
+from warpwear.measured.options import flag, refuse
+from warpwear.measured.rows import read_rows
 from warpwear.measured.surface import HowToRead, Length, check_options
 from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.result import Result
@@ -85,10 +87,11 @@ class ComparedRuns(Comparison, WrittenAsFolder):
 @named_in_python()
 def compare(
     *folders: Result | str | Path,
-    experiments: Paths = (),
+    experiments: FrictionRecord | str | Path | Sequence[FrictionRecord | str | Path] = (),
     band_over: Sequence[str] = (),
     speed: Length | None = None,
     stroke: Length | None = None,
+    radius: Radius | None = None,
     columns: str | None = None,
     scar: str | Path | None = None,
     before: str | Path | None = None,
@@ -102,12 +105,13 @@ def compare(
         Of runs, as paths or results, or of sweeps for all their runs; two or more, or one beside an
         experiment or a scar.
     experiments
-        Tribometers' records of friction, or folders of their files.
+        Tribometers' records of friction, as `read_record` returns them, files, or folders of a record's.
     band_over
         Keys with dots: runs that differ in them alone are one group, with a mean and a band.
-    speed, stroke
-        Of experiments that give times [mm/s], or cycles or positions [mm], or text with a unit; by default
-        those of the runs.
+    speed, stroke, radius
+        Of experiments: speed [mm/s], for records with times; stroke [mm], for records with cycles or
+        positions; radius of the track [mm], for records with turns. Or text with a unit; by default those of
+        records that were read, else of the runs.
     columns
         Which columns of experiments to take, as for `read_record`.
     scar, before
@@ -125,7 +129,7 @@ def compare(
     InputError
         For fewer than two of them together, and for what is no run, record or scar.
     TypeError
-        For an option that there is not.
+        For an unknown option.
 
     Examples
     --------
@@ -136,7 +140,8 @@ def compare(
     [0.015, 0.026]
     """
     check_options(how)
-    paths, records = [Path(folder) for folder in folders], [Path(path) for path in several(experiments)]
+    paths, given = [Path(folder) for folder in folders], several(experiments)
+    records = [one.analysis.rows.path if isinstance(one, FrictionRecord) else Path(one) for one in given]
     check_choice(paths, records, scar, {"before": before, **how})
     run_folders, left_out = folders_of(paths)
     check_choice(run_folders, records, scar, {})
@@ -145,19 +150,22 @@ def compare(
             raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
     groups = grouped([read_run(folder) for folder in run_folders], several(band_over))
     runs = [run for group in groups for run in group.rows]
-    measured = _read_experiments(
-        records,
-        [group.name for group in groups],
+    of_runs = Motion(
         load=_common(run.study.same_load for run in runs),
-        speed=optional("--speed", speed, "mm/s") or _common(run.study.sliding.mean_speed for run in runs),
-        stroke=optional("--stroke", stroke, "mm") or _common(run.study.sliding.stroke for run in runs),
+        run_speed=_common(run.study.sliding.mean_speed for run in runs),
+        stroke=_common(run.study.sliding.stroke for run in runs),
         radius=_common(run.study.same_radius for run in runs),
-        columns=columns,
     )
+    asked = motion_of(speed=speed, stroke=stroke, radius=radius)
+    own = [asked.over(one.motion) if isinstance(one, FrictionRecord) else asked for one in given]
+    rows = [e.analysis.rows if isinstance(e, FrictionRecord) else read_rows(e, columns) for e in given]
+    courses = [experiment_of(r, m.over(of_runs)) for r, m in zip(rows, own, strict=True)]
+    measured = _named(courses, records, [group.name for group in groups])
     groups = [replace(g, rows=tuple(_beside(run, measured) for run in g.rows)) for g in groups]
     files = None if scar is None else ScarFiles(Path(scar), None if before is None else Path(before), how)
     scars = None if files is None else compare_scar(files, runs)
-    return ComparedRuns(tuple(groups), measured, (*left_out, *notes_of(groups, measured)), scars)
+    other = dict.fromkeys(text for motion in own for text in other_motion(motion, of_runs))
+    return ComparedRuns(tuple(groups), measured, (*left_out, *other, *notes_of(groups, measured)), scars)
 
 
 def check_out(folder: Path, *, file_format: str = "png", overwrite: bool = False) -> None:
@@ -184,9 +192,8 @@ def check_choice(
         )
 
 
-def _read_experiments(paths: list[Path], taken: Sequence[str], **options: Any) -> tuple[Experiment, ...]:
-    """Read measured courses of friction, each named by its file, unlike the names that groups have taken."""
-    courses = [read_experiment(path, **options) for path in paths]
+def _named(courses: list[Experiment], paths: list[Path], taken: Sequence[str]) -> tuple[Experiment, ...]:
+    """Name measured courses of friction by their files, unlike the names that groups have taken."""
     stems = Counter(path.stem for path in paths)
     names = [path.name if stems[path.stem] > 1 else path.stem for path in paths]
     labels = unlike(names, taken, suffix=" (experiment)")

@@ -1,11 +1,16 @@
 """What is to be said about runs and measured courses that are laid over each other."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from warpwear.comparison.groups import MOST_NAMES, RunData, differences, listed, told
 from warpwear.ensembles.ensemble import Group
 from warpwear.measured.course import check_coverage
 from warpwear.measured.experiment import Experiment
+from warpwear.measured.motion import UNITS, Motion
+from warpwear.measured.tribometer import OTHER_STROKE
 
 INTERRUPTED = "interrupted before the end."
 NO_COF = "no coefficient of friction: its end calibrates it."
@@ -40,6 +45,14 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     yield from told(missing, len(runs))
     for e in experiments:
         yield from (f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, runs), *_gaps(e, runs)))
+
+
+def other_motion(given: Motion, of_runs: Motion) -> Iterator[str]:
+    """Say in what the motion that is given of an experiment differs from the runs'."""
+    for what, runs in vars(replace(of_runs, speed=of_runs.run_speed, run_speed=None)).items():
+        mine, unit = getattr(given, what), UNITS.get(what)
+        if mine and runs and np.size(mine) == 1 and not np.allclose(mine, runs, rtol=OTHER_STROKE):
+            yield f"Warning: {what} {np.mean(mine):g} {unit} is given, the run has {runs:g} {unit}."
 
 
 def _lengths(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:

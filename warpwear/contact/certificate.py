@@ -32,7 +32,7 @@ class Certificate:
     Attributes
     ----------
     violation : float
-        Largest breach of these, over the rms height of the gap before contact.
+        Largest breach of the conditions above, divided by the rms gap before contact.
     allowed : float
         What may be left of it, the tolerance or, where that is more, what rounding shows.
     penetration : float

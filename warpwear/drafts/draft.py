@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -37,6 +38,8 @@ RIGS = {
 COLUMN = 32
 #: Most cells along a side that are looked at for the height of the roughness.
 MOST_SIDE = 2000
+#: A commented table, and keys that were set below it, which are the section's above.
+_BELOW_COMMENT = re.compile(r"(^\n(?:^# .*\n)+)((?:^\w+ = .*\n)+)", re.MULTILINE)
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -59,7 +62,8 @@ def new_study(
     like
         The rig: "reciprocating", "rotating", "fretting", "pin" or "block-on-ring".
     surface
-        Measured surface of the disc or flat, whose pixel sets the cells; made-up without one.
+        File of a measured surface of the disc or flat. Its pixel becomes grid.cell; without a file a
+        synthetic surface is used.
     changes
         Keys to change, by their names with dots, as `Study.replace` takes them.
     overwrite
@@ -141,7 +145,7 @@ def draft(
     change(document, _grid(document, wanted, folder))
     _study(document.unwrap(), folder)  # what is no study is refused before anything is written
     _align(document)
-    return tomlkit.dumps(document)
+    return _BELOW_COMMENT.sub(r"\2\1", tomlkit.dumps(document))
 
 
 def _unlined(document: Any) -> None:

@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from warpwear import lazy
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import Scales
 
@@ -27,10 +28,31 @@ LEAST_TORSION = 1.0 / math.sqrt(3.0)
 
 
 def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -> float:
-    """Return E* [MPa], 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂.
+    """Return the modulus E* of two elastic bodies in contact, 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂.
 
-    first, second: Young's modulus [MPa] and Poisson's ratio of each body.
+    Parameters
+    ----------
+    first, second
+        Young's modulus and Poisson's ratio of each body.
+
+    Returns
+    -------
+    float
+        In the unit of Young's moduli.
+
+    Raises
+    ------
+    InputError
+        For a modulus that is not positive, or a ratio not above -1 and up to 0.5.
+
+    Examples
+    --------
+    >>> round(warpwear.effective_modulus((210e3, 0.3), (193e3, 0.29)))  # MPa
+    110145
     """
+    for young, poisson in (first, second):
+        if not (young > 0.0 and -1.0 < poisson <= 0.5):
+            raise InputError(f"young = {young:g}, poisson = {poisson:g}: above 0, and -1 to 0.5, are allowed")
     return 1.0 / sum((1.0 - poisson**2) / young for young, poisson in (first, second))
 
 

@@ -2,13 +2,19 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.rows import RecordRows
 
+#: Of a track: a number in mm or text with its unit, one or one for each step, "6 mm, 9 mm".
+Radius: TypeAlias = float | str | Sequence[float | str]
+#: Units of what a person gives.
+UNITS = {"stroke": "mm", "speed": "mm/s", "radius": "mm", "load": "N"}
 #: A speed below this share of the largest is rest.
 REST = 0.01
 #: Part of the rows, and of the distance, by which a counter may slip back.
@@ -25,13 +31,30 @@ class Motion:
 
     stroke: length of one pass [mm], for cycles and forces. load: normal load [N], where the record has none.
     speed: sliding speed [mm/s], which makes distance of time. radius: of the track [mm], which makes distance
-    of laps and turns a minute, one or one for each step.
+    of laps and turns a minute, one or one for each step. run_speed: of a run beside it [mm/s], which stands
+    for the speed of a record that counts no turns.
     """
 
     stroke: float | None = None
     load: float | None = None
     speed: float | None = None
     radius: float | Sequence[float] | None = None
+    run_speed: float | None = None
+
+    def over(self, other: "Motion") -> "Motion":
+        """Return these numbers, and another's where they are not known."""
+        return replace(other, **{name: value for name, value in vars(self).items() if value is not None})
+
+
+def motion_of(*, radius: Radius | None = None, **others: Any) -> Motion:
+    """Return the numbers that a person gives, as numbers or as text with units. Raises InputError.
+
+    others: stroke, speed and load, None where they are not known.
+    """
+    radii = with_unit(radius.split(",") if isinstance(radius, str) else radius, "mm")
+    tracks = radii if isinstance(radii, list) else [] if radii is None else [radii]
+    known = {name: optional(f"--{name}", value, UNITS[name]) for name, value in others.items()}
+    return Motion(radius=[quantity("--radius", track, "mm") for track in tracks] or None, **known)
 
 
 def moving(rows: RecordRows) -> tuple[RecordRows, list[str]]:
@@ -54,6 +77,8 @@ def sliding_distance(rows: RecordRows, motion: Motion, *, what: str) -> tuple[Fl
     what: the record has, for sentences. Raises InputError where the record does not say how far it slid.
     """
     table, path, stroke, speed = rows.table, rows.path, motion.stroke, motion.speed
+    turns = next((role for role in ("laps", "rpm") if role in table), None)
+    speed = motion.run_speed if speed is None and turns is None else speed
     track = _radius(rows, motion.radius)
     if "distance" in table:
         distance, note = _without_slips(table["distance"], table.get("time"))
@@ -69,11 +94,10 @@ def sliding_distance(rows: RecordRows, motion: Motion, *, what: str) -> tuple[Fl
     if "cycle" in table and stroke is not None:
         note = f"Distance is cycle times two strokes of {stroke:g} mm."
         return 2.0 * stroke * table["cycle"], "cycle", note
-    if ("laps" in table or "rpm" in table) and speed is None:
-        role = "laps" if "laps" in table else "rpm"
+    if turns is not None and speed is None:
         steps = f", or one for each of its {len(rows.steps)} steps" if len(rows.steps) > 1 else ""
         raise InputError(
-            f"{path} gives turns, '{rows.chosen[role].title}', and no distance: the radius of the track is "
+            f"{path} gives turns, '{rows.chosen[turns].title}', and no distance: the radius of the track is "
             f"needed, such as --radius '6 mm'{steps}"
         )
     if "time" in table:

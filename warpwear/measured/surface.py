@@ -137,9 +137,10 @@ def read_surface(
     Raises
     ------
     InputError
-        For what is no map of heights, or a value that is not allowed; the sentence names its option.
+        Where the file holds no map of heights, or for a value that is not allowed; the sentence names its
+        option.
     TypeError
-        For an option that there is not.
+        For an unknown option.
 
     References
     ----------
@@ -187,9 +188,9 @@ def read_profile(
     Raises
     ------
     InputError
-        For what is no profile, or has no roughness, or a value that is not allowed.
+        Where the file holds no profile, or one without roughness, or for a value that is not allowed.
     TypeError
-        For an option that there is not.
+        For an unknown option.
 
     References
     ----------
@@ -262,7 +263,7 @@ def read_worn(
     InputError
         Where nothing worn stands out, `before` shows another place, or a value is not allowed.
     TypeError
-        For an option that there is not.
+        For an unknown option.
 
     Examples
     --------

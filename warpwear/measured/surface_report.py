@@ -45,6 +45,9 @@ ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")} | {
     "rms_slope": "rms slope",
 }
 
+#: Key -> what people read behind its number.
+NOTES = {"rms_slope": "(by differences of neighbours)"}
+
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeasuredSurface(FileReport):
@@ -59,7 +62,7 @@ class MeasuredSurface(FileReport):
     spectrum : Spectrum
         Wavelength [mm] and density [mm⁴] of the waves in all directions, shape (bins,).
     cut_offs, slopes : array
-        Shortest waves [mm], and the rms slope [-] from each on, shape (m,).
+        Cut-offs [mm], and the rms slope [-] of all waves longer than each, shape (m,).
     roll_off : RollOff
         The wavelength that it suggests.
     """
@@ -117,7 +120,7 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("from:", "from", roll_off.source),
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
-    rough_rows = [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]
+    rough_rows = [Row(label, key, own[key], note=NOTES.get(key, "")) for key, label in ROUGHNESS.items()]
     sdr = 100.0 * roughness.developed_area(heights, pixel=pixel)
     rough_rows.append(Row("Sdr", "sdr_percent", sdr, digits=3))
     ra_rows = [row for axis, profile in zip("xy", profiles, strict=True) for row in _ra(axis, profile, lay)]
@@ -136,7 +139,7 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
             "Sal", "autocorrelation_length_um", times(1e3, correlation), note="(autocorrelation falls to 0.2)"
         ),
         Row("roll-off", "roll_off", roll_off_rows),
-        Row("rms slope", "slope_against_cut_off", by_cut_off, sentence=f"{few} on"),
+        Row("rms slope", "slope_against_cut_off", by_cut_off, sentence=f"{few} on (from the spectrum)"),
         Row("", "power_spectrum", {key: values.tolist() for key, values in by_wave.items()}),
         Row("warning", "warnings", surface.notices(*places((heights.shape[0], heights.shape[1]), pixel))),
     ]

@@ -140,7 +140,9 @@ def _by_cycles(
     ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
     measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
     if stroke is not None and abs(measured - stroke) > OTHER_STROKE * stroke:
-        raise InputError(f"{path}: the stroke is {measured:.3g} mm by the position, not {stroke:g} mm")
+        real = f"{measured:.3g} mm"
+        cure = f"pass --stroke='{real}' to record or compare"
+        raise InputError(f"{path}: the stroke is {real} by the position, not {stroke:g} mm: {cure}")
     used = measured if stroke is None else stroke
     inside = np.abs(position - middle) <= (0.5 - END_CUT) * measured
     start = abs(float(smooth[turns[0]] - smooth[0]))

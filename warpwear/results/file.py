@@ -210,7 +210,7 @@ class ResultFile:
         "Hold the load of each patch [N], (steps, patches); a patch is macro cell number x · across + y.",
         NO_PATCHES,
     )
-    area_patch = _stored("history/area_patch", "Hold the area of each patch [mm²], as loads.", NO_PATCHES)
+    area_patch = _stored("history/area_patch", "Hold each patch's area [mm²], as load_share.", NO_PATCHES)
     macro_x = _stored("macro/x", "Hold the places of macro cells along x [mm], (across,).", NO_PATCHES)
     macro_y = _stored("macro/y", "Hold the places of macro cells along y [mm], (across,).", NO_PATCHES)
 
@@ -330,8 +330,7 @@ class ResultFile:
     def at(self, distance: str | float) -> Snapshot:
         """Return the snapshot kept at a distance.
 
-        One that was asked for there, where no step ends (of a swept run, or snapshots = "auto"), is the first
-        after it.
+        If no step ended exactly there, as of a swept run or snapshots = "auto", the first snapshot after it.
 
         Parameters
         ----------

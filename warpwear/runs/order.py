@@ -125,10 +125,12 @@ class RunOrder:
     @cached_property
     def notes(self) -> list[str]:
         """Sentences on what of the study and of the surface misleads before anything is computed."""
-        grid = self.study.cells
+        grid, surface, places = self.study.cells, self.surface, self.study.places
+        is_lap = self.study.is_swept and self.study.sliding.track != "full"
+        seam = surface.lap_seam(*places) if is_lap and isinstance(surface, Measured) else []
         of_counter = self.counter.notices(grid.x, grid.y) if self.counter else []
         of_counter = [f"The counter-body: {notice.replace('disc.', 'counter.')}" for notice in of_counter]
-        return [*self.study.notices(), *self.surface.notices(*self.study.places), *of_counter]
+        return [*self.study.notices(), *seam, *surface.notices(*places), *of_counter]
 
     def model(
         self,

@@ -88,8 +88,8 @@ def run(
         ``surface`` of `read_surface`, which is sampled there (read it with ``extend="mirror"`` where it is
         smaller than the domain). Their mean is taken off: approaches count from
         it. With `out` they are saved as surface.npy, which the resolved study names, so that it runs again by
-        itself. The share of the load on points that a measured one lacks is told and limited as that of a
-        file; surface.npy does not say which these are.
+        itself. Load on filled-in points is reported and limited, as for a file; surface.npy does not say
+        which points these are.
     out : path, optional
         Run folder to write (study.toml, result.h5, history.csv, summary.json, figures, log.txt); without it
         the result lives in memory.
@@ -108,9 +108,9 @@ def run(
     progress : bool
         Whether to report on standard error.
     callback : callable, optional
-        Is called with every step, see `steps`, so that each is made alone: slower on a GPU, there with other
-        rounding, and on small grids. An exception of it stops the run as an interrupt does: what there is so
-        far is kept, with a checkpoint, and it is raised.
+        Is called with every step, see `steps`; steps are then made one by one: slower on a GPU (where
+        rounding differs) and on small grids. An exception of it stops the run as an interrupt does: what
+        there is so far is kept, with a checkpoint, and it is raised.
 
     Returns
     -------
@@ -120,7 +120,8 @@ def run(
     Raises
     ------
     InputError
-        For anything that cannot be computed; no folder is left behind.
+        For a study that cannot be computed, such as a domain smaller than the scar or a load beyond what the
+        hardness carries, a surface that does not fit it, or a folder that is there; none is left behind.
     InvariantError
         For a step that is wrong, such as a contact at the domain's edge.
     ConvergenceError

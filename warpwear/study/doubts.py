@@ -192,7 +192,8 @@ def _of_track(study: Content) -> Iterator[str]:
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
-    if sliding.track != "full" and not _repeats(study.disc.synthetic, float(sliding.track)):
+    made = study.disc.synthetic  # what a file holds tells `Measured.lap_seam`
+    if sliding.track != "full" and made is not None and not _repeats(made, float(sliding.track)):
         yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."

@@ -148,6 +148,7 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     for name, value in flat.items():
         for other in _dropped_by(name) - set(flat) - ({"block"} & numbered):
             _remove(nested, other)
+        value = getattr(value, "in_study", value)  # a calibration's text
         insert(nested, name, dict(value) if isinstance(value, Mapping) else value)  # keys may be set in it
         assumed = nested.get("assumed")
         if not isinstance(assumed, dict):

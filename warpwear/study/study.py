@@ -164,7 +164,8 @@ class Study(Content):
         Parameters
         ----------
         changes : dict, optional
-            Key with dots -> new value.
+            Key with dots -> new value; of wear.counter or wear.disc a WearCalibration, too: its mean with the
+            unit.
         **sections
             Section -> its keys that change.
 

@@ -86,7 +86,7 @@ def sweep(
     InputError
         For what makes no sweep.
     TypeError
-        For an option that there is not.
+        For an unknown option.
 
     References
     ----------
@@ -129,8 +129,8 @@ def make_sweep(
     where: as of `executor_for`. on_cost: is called with what it will take, which one run tells. calls: of
     `make_runs`. Raises InputError.
     """
-    study = plan.study
-    motion: Any = {"speed": study.sliding.speed, "stroke": study.sliding.stroke, "radius": study.same_radius}
+    study, slid = plan.study, plan.study.sliding
+    motion: Any = {"run_speed": slid.speed, "stroke": slid.stroke, "radius": study.same_radius}
     measured = tuple(read_experiment(path, load=study.same_load, **motion) for path in experiments)
     if out is not None:
         check_folder(out, resume=resume, files=FILES)

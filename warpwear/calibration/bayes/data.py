@@ -214,7 +214,7 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
     if not isinstance(experiment, Experiment):
         sliding, load, rows = study.sliding, study.contact.load, read_rows(experiment, columns)
         _check_load(rows, load)
-        how = Motion(stroke=sliding.stroke, load=load, speed=sliding.speed, radius=sliding.track_radius)
+        how = Motion(stroke=sliding.stroke, load=load, run_speed=sliding.speed, radius=sliding.track_radius)
         experiment = experiment_of(rows, how)
     name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
     check_cof(name, distance, cof)

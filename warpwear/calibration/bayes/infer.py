@@ -59,8 +59,8 @@ def infer(
     study : Study, path or str
         The test: a study, its file, or the name of a preset.
     unknown : dict, or list of str
-        Keys, each with a prior as in a sweep, or None for one within a factor of 5 about the study's value,
-        as of a list.
+        Keys, each with a prior as in a sweep; None, and any key in a list, means a prior within a factor of 5
+        of the study's value.
     tests : list of dict, or path
         One a test, such as ``{"scar": "0.8 +- 0.02 mm", "friction": "0.2 +- 0.02 at 30 mm", "record":
         "test-1.csv"}``, or a TOML file with them; repeated tests have one each. The keys are those of

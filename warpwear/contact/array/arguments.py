@@ -60,6 +60,16 @@ def checked_heights(
     return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
 
+def map_of(heights: Any, cell: float | None) -> tuple[Any, float | None]:
+    """Return heights and cell, of a measured surface its heights and its pixel. Raises InputError."""
+    if not hasattr(heights, "heights") or not hasattr(heights, "pixel"):
+        return heights, cell
+    pixel = heights.pixel
+    if cell not in (None, pixel[0]) or not math.isclose(*pixel, rel_tol=1e-9):
+        raise InputError(f"cell = {cell!r} is not possible with pixels of {pixel} mm; squares are the cell.")
+    return heights.heights, pixel[0]
+
+
 def number(
     name: str, value: Any, *, any_sign: bool = False, optional: bool = True, limit: bool = False
 ) -> Any:
@@ -77,6 +87,7 @@ def number(
     if not real or not math.isfinite(value) or not (any_sign or value > 0.0):
         text = f"{value:g}" if real else shown(value)
         allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
+        allowed += ", without a unit" if isinstance(value, str) else ""
         raise InputError(f"{name} = {text} is not possible; it must be a {allowed}.")
     if value != 0.0 and not 1.0 / LARGEST <= abs(value) <= LARGEST:
         size = f"from {1.0 / LARGEST:g} to {LARGEST:g}"

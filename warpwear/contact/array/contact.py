@@ -27,9 +27,9 @@ class ArrayContact:
     cell, hardness : float
         As they were given.
     certificate : Certificate
-        What the pressure is worth, reckoned anew from it: by how much its energy can exceed the least, above
-        all. Its violation is `residual`, the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere,
-        gap ≤ 0 at the hardness) over the rms height of the gap before contact.
+        Error bounds recomputed from the pressure; chiefly how far its energy can lie above the minimum. Its
+        violation is `residual`, the largest breach of (gap = 0 under pressure, gap ≥ 0 elsewhere, gap ≤ 0 at
+        the hardness), divided by the rms gap before contact.
     evaluations : int
         Pairs of Fourier transforms on a half-space, else passes over the cells that a trial approach took.
     modulus, boundary : float, str or None
@@ -48,7 +48,7 @@ class ArrayContact:
 
     @property
     def residual(self) -> float:
-        """Return the largest violation of the contact conditions over the rms height of the unloaded gap."""
+        """Return the largest breach of the contact conditions, divided by the rms gap before contact."""
         return self.certificate.violation
 
     @cached_property
@@ -58,8 +58,13 @@ class ArrayContact:
 
     @property
     def mean_pressure(self) -> float:
-        """Return the load over the nominal area."""
+        """Return the load over the nominal area, that of the whole array; `mean_real_pressure` is higher."""
         return self.load / self.nominal_area
+
+    @property
+    def mean_real_pressure(self) -> float:
+        """Return the load over the real area of contact, `area`; 0 where nothing touches."""
+        return self.load / self.area if self.area else 0.0
 
     @property
     def nominal_area(self) -> float:

@@ -18,6 +18,7 @@ from warpwear.contact.array.arguments import (
     check_choice,
     checked_heights,
     counter_of,
+    map_of,
     number,
     tolerance_of,
 )
@@ -52,9 +53,9 @@ FEWEST_CELLS = 9
 
 
 def solve_contact(
-    heights: npt.ArrayLike,
+    heights: npt.ArrayLike | Any,
     *,
-    cell: float,
+    cell: float | None = None,
     load: float | None = None,
     mean_pressure: float | None = None,
     approach: float | None = None,
@@ -77,18 +78,18 @@ def solve_contact(
 
     Parameters
     ----------
-    heights : array
-        Of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane. Of a
-        `MeasuredSurface` give its `.heights`; where its two pixels differ they are resampled first, as its
-        ``.surface.heights(x, y)`` does.
+    heights : array or MeasuredSurface
+        Heights of the surface, positive out of the material, shape (nx, ny), axis 0 = x; a constant offset
+        does not matter. A measured surface [mm] has square pixels; of another take arrays of its
+        ``.surface.heights(x, y)``.
     cell : float
-        Width of the square cells.
+        Width of the square cells; of a measured surface its pixel.
     load, mean_pressure, approach : float, optional
-        One of the three; a mean pressure is the load over the area of the array.
+        One of the three; a mean pressure is the load over the nominal area, that of the array.
     hardness : float, optional
         Largest pressure of a cell; None, or infinite, for no such limit.
     modulus : float, optional
-        E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E).
+        E*, of an elastic half-space; of two elastic bodies `effective_modulus`.
     stiffness : float, optional
         Instead of it pressure over length, of independent springs under the cells (a Winkler foundation).
         Without both every cell that is touched carries the hardness: the bearing area.
@@ -107,8 +108,8 @@ def solve_contact(
         heights that counts from its lowest.
     tolerance : float
         Largest violation of the contact conditions of the half-space over the rms height of the gap, from
-        1e-14 to 0.01; one that rounding hides is raised to what it shows, ``certificate.allowed``. The other
-        laws are solved to rounding.
+        1e-14 to 0.01; a tolerance below rounding is raised to rounding, see ``certificate.allowed``. The
+        other laws are solved to rounding.
     device : str
         ``"cpu"`` or ``"cuda:0"``.
     threads : int, optional
@@ -122,7 +123,8 @@ def solve_contact(
     Raises
     ------
     InputError
-        For what is not possible.
+        For heights that are not finite, a load beyond what the hardness carries, a number out of its range,
+        or arguments that exclude each other.
     ConvergenceError
         Where the tolerance is not met.
     MemoryError
@@ -143,6 +145,7 @@ def solve_contact(
     True
     """
     workers = check_threads(threads)
+    heights, cell = map_of(heights, cell)
     surface, lowest, highest, total = checked_heights(heights, workers)
     cell = number("cell", cell, optional=False)
     tolerance = tolerance_of(tolerance)

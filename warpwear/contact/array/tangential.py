@@ -89,7 +89,7 @@ def solve_tangential(
     Raises
     ------
     InputError
-        For what is not possible.
+        For a contact without a half-space, a force that friction does not bear, or a number out of its range.
     ConvergenceError
         Where the tolerance is not met.
 

@@ -1,7 +1,6 @@
 """Read a tribometer's record, say what is in it, and write it as a folder."""
 
 import io
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,8 +12,7 @@ from warpwear.figures.sections import under_headings
 from warpwear.measured.friction.analysis import Analysis, analyse
 from warpwear.measured.friction.figures import course_figure, figures_of
 from warpwear.measured.friction.report import HOW, rows_of, table_of
-from warpwear.measured.motion import Motion
-from warpwear.measured.options import optional, quantity, with_unit
+from warpwear.measured.motion import Motion, Radius, motion_of
 from warpwear.measured.report import FileReport
 from warpwear.measured.rows import Paths, read_rows, without_offset
 from warpwear.page.folder import WrittenAsFolder, write_report
@@ -38,9 +36,12 @@ class FrictionRecord(FileReport, WrittenAsFolder):
     ----------
     analysis : Analysis
         Its steps (course, laps, events, energy), friction loops, and what was left out.
+    motion : Motion
+        What was given beside it: radius, stroke [mm], speed [mm/s] and load [N].
     """
 
     analysis: Analysis
+    motion: Motion
 
     def to_dataframe(self) -> Any:
         """Return the course as a table.
@@ -59,7 +60,8 @@ class FrictionRecord(FileReport, WrittenAsFolder):
 
     def __fspath__(self) -> str:
         """Say what to give where a file is expected. Raises InputError."""
-        raise InputError(f"a record that was read is no file: write it, and give its {TABLE}")
+        where = "compare takes it in experiments; elsewhere write it, and give its"
+        raise InputError(f"a record that was read is no file: {where} {TABLE}")
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         figures = figures_of(self.analysis)
@@ -87,7 +89,7 @@ class FrictionRecord(FileReport, WrittenAsFolder):
 def read_record(
     paths: Paths,
     *,
-    radius: float | str | Sequence[float | str] | None = None,
+    radius: Radius | None = None,
     stroke: float | str | None = None,
     speed: float | str | None = None,
     load: float | str | None = None,
@@ -135,19 +137,13 @@ def read_record(
     >>> record.analysis.steps[0].events.jump
     Jump(start=1498..., end=1618..., low=0.17..., high=0.64...)
     """
-    radii = with_unit(radius.split(",") if isinstance(radius, str) else radius, "mm")
-    tracks = radii if isinstance(radii, list) else [] if radii is None else [radii]
-    motion = Motion(
-        radius=[quantity("--radius", track, "mm") for track in tracks] or None,
-        stroke=optional("--stroke", stroke, "mm"),
-        speed=optional("--speed", speed, "mm/s"),
-        load=optional("--load", load, "N"),
-    )
+    motion = motion_of(radius=radius, stroke=stroke, speed=speed, load=load)
     table = read_rows(paths, columns)
     analysis = analyse(without_offset(table) if zero else table, motion)
     rows = rows_of(analysis)
     text = "\n".join([f"record {analysis.rows.path}", *lines(rows)])
-    return FrictionRecord(text=text, rows=rows, draw=partial(course_figure, analysis), analysis=analysis)
+    draw = partial(course_figure, analysis)
+    return FrictionRecord(text=text, rows=rows, draw=draw, analysis=analysis, motion=motion)
 
 
 def check_out(folder: Path, *, file_format: str, overwrite: bool) -> None:
