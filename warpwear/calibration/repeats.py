@@ -34,7 +34,7 @@ from warpwear.measured.rows import read_rows
 from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.page.html import page_of
 from warpwear.results.folder import check_folder
-from warpwear.results.report import Row, entries, to_json
+from warpwear.results.report import Row, to_json
 from warpwear.version import __version__
 
 #: What every folder of repeats has, and its page.
@@ -112,10 +112,13 @@ class RepeatedTests(Report, WrittenAsFolder):
             "notes": [f"{test.name}: {note}" for test in self.tests for note in test.notes],
             "how": list(HOW),
         }
-        return entries(content)
+        return [Row("", key, value) for key, value in content.items()]
 
     def _table(self) -> list[list[Row]]:
-        return [entries({"name": name, **told}) for name, told in self.told.items()]
+        return [
+            [Row("", key, value) for key, value in ({"name": name} | told).items()]
+            for name, told in self.told.items()
+        ]
 
     def _declared(self) -> Figure:
         return figure_of(self.tests)

@@ -24,7 +24,8 @@ def ending(result: ResultFile) -> str:
     s = Summary.of(content)
     kinds = [(rank_of(text, "note" if text in s.notes else "warning"), text) for text in s.warnings]
     ranked = sorted((pair for pair in kinds if pair[0] < LIGHTEST), key=itemgetter(0))
-    said = {"within": within(s.verdict), "friction": friction_of(study, s), "rim": s.verdict.scar_error_mm}
+    said: dict[str, Any] = {"within": within(s.verdict), "friction": friction_of(study, s)}
+    said["rim"] = s.verdict.scar_error_mm
     said |= {"warnings": [text for _, text in ranked], "heavy": ranked and ranked[0][0] == 0}
     formats = {"g": lambda value, digits: shown(value, digits), "far": with_unit}
     told: Any = {"study": study, "s": s, "content": content, **said}
