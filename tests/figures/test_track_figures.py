@@ -192,7 +192,7 @@ def test_a_short_last_pass_is_left_out_of_a_course(tmp_path: Path) -> None:
     told = CliRunner().invoke(
         commands, ["run", str(tmp_path / "study.toml"), "--out", str(tmp_path / "out"), "--no-plots"]
     )
-    assert re.search(r"area in contact .* mm² \(mean of the last cycle\), ", told.output), told.output
+    assert re.search(r"area in contact .* mm² ± ", told.output), told.output
     with Result.open(tmp_path / "out") as result:
         assert result.history["distance"][-1] == pytest.approx(8 * 0.9 + 0.21)
         distance, areas = course(result, "area_contact")

@@ -226,7 +226,8 @@ def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
     displaced = last.plastic_disc.sum() * area / study.track.track_fraction
     assert history["plastic_volume_disc"][-1] == pytest.approx(displaced) != 0.0
     assert np.abs(history["load_residual"]).max() <= 2e-12 * 8.0
-    assert_allclose(history["position"], local["position"])
+    first = slice(study.track.steps_of_pass)  # by the local law the next pass begins elsewhere
+    assert_allclose(history["position"][first], local["position"][first])
     assert history["area_contact"].mean() == pytest.approx(local["area_contact"].mean(), rel=0.15)
     assert last.pressure.shape == (WINDOW, WINDOW)
     assert not [note for note in result.summary["warnings"] if "Archard" in note or "extent" in note]

@@ -216,7 +216,7 @@ def test_a_field_that_is_unknown_in_places_is_refused(good: dict[str, Path], tmp
         result.snapshot(-1)
 
 
-@pytest.mark.parametrize("along", [1e300, 1e20, -1e300])
+@pytest.mark.parametrize("along", [1e300, 1e20])
 def test_a_scar_longer_than_its_track_ends_with_it(
     along: float, good: dict[str, Path], tmp_path: Path
 ) -> None:

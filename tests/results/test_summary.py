@@ -80,7 +80,7 @@ def test_details_have_every_number_of_the_summary() -> None:
 def test_the_largest_part_of_an_error_comes_first(
     relative: float | None, parts: dict[str, float | None], told: str
 ) -> None:
-    assert ending.within(Verdict("", True, "", relative, parts, None, "")) == told
+    assert ending.within(Verdict("", True, "", None, relative, parts, None, None, "")) == told
 
 
 def test_what_is_not_known_between_patches_is_left_open() -> None:

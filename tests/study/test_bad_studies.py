@@ -11,7 +11,10 @@ import pytest
 from warpwear import InputError, Study
 
 BAD = [
-    ({"run.threads": 2}, r"^'run\.threads' is no key of a study; allowed are run\.checkpoint\.$"),
+    (
+        {"run.threads": 2},
+        r"^'run\.threads' is no key of a study; allowed are run\.checkpoint, run\.lap_memory\.$",
+    ),
     ({"radius": "3 mm"}, r"^'radius' is no key of a study; did you mean 'counter\.radius'\?$"),
     ({"contact.load": "8"}, r"^contact\.load = '8': needs its unit: a force such as '8 N'\.$"),
     ({"contact.hardnes": "3 MPa"}, r"'contact\.hardnes' .*did you mean 'contact\.hardness'"),

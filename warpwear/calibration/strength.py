@@ -231,7 +231,7 @@ def _of_run(run: Run, cof: float, ploughing: float | None, area: str | None) -> 
 
 def _law(study: Study, folder: str, **measured: float) -> FrictionLaw:
     """Return a run's law of friction with a measured coefficient. Raises InputError where it has no such."""
-    study.refuse_blocks("warpwear calibrate friction")
+    study._refuse_blocks("warpwear calibrate friction")
     keys = {"law": "shear-strength", "coefficient": study.friction.coefficient, **measured}
     try:
         return study.replace({f"friction.{key}": value for key, value in keys.items()}).friction.law_with()

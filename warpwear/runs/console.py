@@ -31,6 +31,8 @@ ONCE = ("compile", "kernels")
 
 #: Return how many contacts were computed, and how many at least and at most are left.
 Contacts: TypeAlias = tuple[Callable[[], int], Callable[[], tuple[float, float]]]
+#: Of no run.
+NONE: Contacts = lambda: 0, lambda: (0.0, 0.0)
 
 
 class Progress:
@@ -59,7 +61,7 @@ class Progress:
         self._made = self._started = self._last_line = now()
         self._next, self._phase, self._by_cycles = 0.1, "", False
         self._told = set[str]()
-        self._contacts: Contacts = lambda: 0, lambda: (0.0, 0.0)
+        self._contacts = NONE
         #: When compiling began last, and the time it took since the start [s].
         self._since = self._once = 0.0
         #: Contacts and time when the first was there, which sets out the others; what one of these takes [s].
@@ -184,7 +186,8 @@ class Progress:
             self._left = max(self._left - told, 0)
 
     def end(self) -> None:
-        """End the run, one way or another."""
+        """End the run, one way or another, and let go of it."""
+        self._contacts = NONE
         if self._bar is not None:
             self._bar.close()
 

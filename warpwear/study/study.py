@@ -81,7 +81,7 @@ class Study(Content):
         """Return a notebook's view of the study: its keys, with the assumptions marked."""
         return f"<div>{escape(repr(self))}<pre>{escape(self.to_toml(marked=True))}</pre></div>"
 
-    def refuse_blocks(self, what: str) -> None:
+    def _refuse_blocks(self, what: str) -> None:
         """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
         if self.block is not None:
             raise InputError(f"{what} goes by one load: [[block]], a programme, is not allowed")

@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -155,7 +154,7 @@ def test_patches_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatc
     some, every = Stepped(study).model, Stepped(study).model
     monkeypatch.setattr(every, "_below", lambda approach: every.patches.count)
     for model in (some, every):
-        model._solver._rules = replace(model._solver._rules, tolerance=1e-10)
+        model._solver.tolerance = 1e-10
     for increment in (0.003, 0.1, 3.0):
         guess = some._below(some._reached)
         row, expected = some.advance(increment).row, every.advance(increment).row

@@ -105,7 +105,7 @@ def infer(
     (['wear.disc'], False)
     """
     study = study if isinstance(study, Study) else Study.load(study)
-    study.refuse_blocks("warpwear calibrate bayes")
+    study._refuse_blocks("warpwear calibrate bayes")
     if study.pair.wears_by_area:
         raise InputError("warpwear calibrate bayes needs friction.law = 'coulomb' for wear.law = 'energy'")
     data = tests if isinstance(tests, Data) else data_of(study, tests)

@@ -277,6 +277,8 @@ class SlidingHalfSpace:
         They have one compliance, and their contacts stay in one window. Return how many were made.
         """
         alone = any(asks(one, hook) for one in self._asked for hook in ("prepare", "note", "row"))
+        # On a GPU what features add within two loops is lost: pieces were seen to wear nothing there.
+        alone = alone or (bool(self._asked) and not self._executor.device.is_cpu)
         if not self._moves or self._lines is not None or alone:
             return 0, None
         first, caps, anew = parts[0], self._caps, start == NOTHING
