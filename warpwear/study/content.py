@@ -88,7 +88,7 @@ class Content(Section):
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         return self.__copy__()
 
-    @property
+    @cached_property
     def given_keys(self) -> set[str]:
         """The dotted names of the keys that were given, not left open or to their defaults."""
         names = {name for name in declarations(type(self)) if is_given(self, name)}
@@ -100,7 +100,7 @@ class Content(Section):
         keys = declarations(type(self)).items()
         return {name: why for name, declared in keys if (why := declared.why_not(self))}
 
-    @property
+    @cached_property
     def used_keys(self) -> dict[str, Any]:
         """Map the keys that something uses to what they come to, as text with units; sections come last."""
         content = self.model_dump(exclude={"assumed"})
@@ -119,7 +119,7 @@ class Content(Section):
 
         return dict(walk("", content))
 
-    @property
+    @cached_property
     def assumptions(self) -> dict[str, str]:
         """Map keys to why they were assumed, in the study's own words or by a default that is a choice."""
         given, reasons = self.given_keys, {}

@@ -268,7 +268,7 @@ class SlidingContact:
         most = self._begin_materials(counter=k_counter, disc=k_disc)
         compliance = own + (k_counter + k_disc) * task.implicit
         own_stiffness = self._programs.features.cells.stiffness is not None
-        alike = [0.0 if own_stiffness else stiffness_of(one) for one in compliance.tolist()]
+        alike = np.zeros(len(rows)) if own_stiffness else stiffness_of(compliance)
         ends = np.add.accumulate([row["distance"], *increments])
         depths = np.zeros((2, len(rows)))
         if task.shears:
