@@ -4,7 +4,8 @@ import math
 from functools import partial
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, ModelWrapValidatorHandler, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic.functional_validators import ModelWrapValidatorHandler
 
 from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when

@@ -209,7 +209,9 @@ def test_each_circle_goes_its_own_way(case: str, device: str) -> None:
         own = warpwear.run(study.replace({"block": None} | way | part), device=device).history
         mine = np.isin(history["block"], blocks)
         for name in ("area_contact", "pressure_max", "wear_depth_disc", "position"):
-            assert_allclose(history[name][mine], own[name], rtol=1e-9, atol=1e-15, err_msg=name)
+            # A GPU adds in another order, which contacts on the way, solved to 1e-4, pass on.
+            exact = {"rtol": 1e-9 if device == "cpu" else 1e-7, "atol": 1e-15}
+            assert_allclose(history[name][mine], own[name], err_msg=name, **exact)
 
 
 def test_cycles_on_circles_stand_for_their_own(tmp_path: Path, device: str) -> None:
