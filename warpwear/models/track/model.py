@@ -123,7 +123,7 @@ class SweptModel(Model):
         length.trial = None
         self.stands_for, self.turned, self._row = before
         state.restore(self, *now)
-        if length.judge(*areas, shift=self._track.shift):
+        if length.judge(*areas, shift=self._track.shift, cell_area=self._executor.grid.cell_area):
             contact.forget_laps()
 
     def _replay(self, contact: SlidingHalfSpace, slid: list[tuple[float, int]], longest: int) -> float:

@@ -107,13 +107,13 @@ class PartLength:
         """Return the state before the steps to be made again, and those."""
         return self._arrays, json.loads(self._numbers), [(float(a), int(b)) for a, b in self._slid]
 
-    def judge(self, area: float, doubled: float, *, shift: int) -> bool:
+    def judge(self, area: float, doubled: float, *, shift: int, cell_area: float) -> bool:
         """Learn from areas by parts as they are and twice as long; tell whether this has changed them.
 
-        shift: cells of a step.
+        shift: cells of a step. cell_area: of one cell [mm²], which is the least change that an area tells.
         """
         before = self._cells
-        change = abs(doubled / area - 1.0)
+        change = max(abs(doubled / area - 1.0), cell_area / self._area)
         rises = not self._has_fallen or self._steps >= self._next
         if rises and before < shift and _error(2 * before, 2.0 * change) <= SAFETY * self._allowed:
             self._cells, change = 2 * before, 2.0 * change
