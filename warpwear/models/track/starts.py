@@ -82,6 +82,9 @@ class Starts:
     @stored.setter
     def stored(self, pressures: Any) -> None:
         host = self.laps.numpy()
+        if len(pressures) > len(host):  # of a longer track, whose places are not those of this one
+            self.forget()
+            return
         host[: len(pressures)] = pressures
         if not self._executor.device.is_cpu:
             self.laps.assign(host)
