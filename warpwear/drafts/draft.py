@@ -104,9 +104,9 @@ def new_study(
 
 
 def outlook(study: Study) -> str:
-    """Say how many contacts a run of a study computes, and how the asperities of its disc yield."""
+    """Say how many steps a run of a study computes, and how the asperities of its disc yield."""
     number, grid = contacts_of(study), study.cells
-    text = f"{'at most ' if study.jumps else ''}{number} contact{'s' * (number != 1)} to compute"
+    text = f"{'at most ' if study.jumps else ''}{number} step{'s' * (number != 1)} to compute"
     heights = surface_of(study.disc).heights(grid.x, grid.y) if study.is_rough else np.zeros((2, 2))
     slope = roughness(heights, pixel=(grid.cell, grid.cell))["rms_slope"]
     if not slope or math.isinf(study.hardness):

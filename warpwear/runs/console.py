@@ -24,15 +24,15 @@ EVERY_SECONDS = 30.0
 PACE = 2.0, EVERY_SECONDS
 #: Notes that a run writes; all of them are on its page, in its summary and in its log. Those told on the way.
 MOST_NOTES, EARLY_NOTES = 3, 2
-#: Contacts after which their pace tells the time left, and most over least of them that "about" is said of.
+#: Steps after which their pace tells the time left, and most over least of them that "about" is said of.
 FIRST, ABOUT = 20, 4.0
+#: Seconds of steps after which a run is foreseen: the first are dearer, as starts and parts are tried out.
+FORESEEN = 1.0
 #: Phases of a run that no other contact has again.
 ONCE = ("compile", "kernels")
 
-#: Return how many contacts were computed, and how many at least and at most are left.
+#: Return how many steps were computed, and how many at least and at most are left.
 Contacts: TypeAlias = tuple[Callable[[], int], Callable[[], tuple[float, float]]]
-#: Of no run.
-NONE: Contacts = lambda: 0, lambda: (0.0, 0.0)
 
 
 class Progress:
@@ -61,17 +61,19 @@ class Progress:
         self._made = self._started = self._last_line = now()
         self._next, self._phase, self._by_cycles = 0.1, "", False
         self._told = set[str]()
-        self._contacts = NONE
+        self._contacts: Contacts = lambda: 0, lambda: (0.0, 0.0)
         #: When compiling began last, and the time it took since the start [s].
         self._since = self._once = 0.0
         #: Contacts and time when the first was there, which sets out the others; what one of these takes [s].
         self._begun: tuple[int, float] | None = None
         self._pace: float | None = None
+        #: Where the pace is counted from next.
+        self._middle = 0, 0.0
 
     def start(self, steps: int, contacts: Contacts, *, done: int = 0, by_cycles: bool = False) -> None:
         """Begin a run of `steps` steps, or go on where `done` of them are done.
 
-        contacts: return how many contacts were computed, and how many at least and at most are left.
+        contacts: return how many steps were computed, and how many at least and at most are left.
         by_cycles: whether a step counts as often as the cycles that it stands for.
         """
         self._steps, self._done, self._by_cycles, self._contacts = steps, done, by_cycles, contacts
@@ -115,9 +117,11 @@ class Progress:
         """Take the pace of all contacts but the first, without compiling; tell whether it is known now."""
         made, now, first = self._contacts[0](), self._now() - self._once, self._pace is None
         if self._begun is None:
-            self._begun = made, now
+            self._begun = self._middle = made, now
         elif made - self._begun[0] >= FIRST:
             self._pace = (now - self._begun[1]) / (made - self._begun[0])
+            if made >= 2 * max(self._middle[0], FIRST):  # what the first ones try out is left behind
+                self._begun, self._middle = self._middle, (made, now)
         return first and self._pace is not None
 
     def time_left(self) -> str:
@@ -130,7 +134,8 @@ class Progress:
         return f"{lasting(self._pace * least)} to {lasting(self._pace * most)}"
 
     def _left_text(self) -> str:
-        return f", {left} left" if (left := self.time_left()) else ""
+        least, most = self._contacts[1]()  # far apart, they tell nothing on the way
+        return f", {left} left" if most <= ABOUT * least and (left := self.time_left()) else ""
 
     def phase(self, name: str) -> None:
         """Begin a phase of the run, or go on with it: what may take long is told, once."""
@@ -186,8 +191,9 @@ class Progress:
             self._left = max(self._left - told, 0)
 
     def end(self) -> None:
-        """End the run, one way or another, and let go of it."""
-        self._contacts = NONE
+        """End the run, one way or another; let go of it, but for its counts."""
+        made, left = self._contacts[0](), self._contacts[1]()
+        self._contacts = (lambda: made), (lambda: left)
         if self._bar is not None:
             self._bar.close()
 
@@ -201,13 +207,13 @@ class Foresight(Progress):
 
     def step(self, row: Mapping[str, float], *, count: int = 1, in_flight: int = 0) -> None:
         """One step is done."""
-        if in_flight == 0 and self._measure():
+        if in_flight == 0:
+            self._measure()
+        if self._pace is not None and self._now() - self._once - self._started >= FORESEEN:
             raise Enough
 
     def __str__(self) -> str:
-        made, (least, most) = self._contacts[0](), self._contacts[1]()
-        contacts = f"{made + most:.0f}" if most <= least else f"{made + least:.0f} to {made + most:.0f}"
-        return f"{self._name}: {contacts} contacts, {self.time_left() or 'a moment'}, without figures"
+        return f"{self._name}: {self.time_left() or 'a moment'}, without figures"
 
 
 def warn(sentence: str) -> None:

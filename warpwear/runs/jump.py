@@ -153,8 +153,9 @@ class CycleJumps:
         }
 
     def foreseen(self) -> tuple[float, float]:
-        """Foresee the contacts that are left, at least and at most: where jumps grow from now on, or stay."""
-        return self._left_where(FASTEST if self._fixed is None else 1.0), self._left_where(1.0)
+        """Foresee the steps that are left, at least and at most: where jumps grow from now on, or stay."""
+        every = (1.0 + BEYOND) * (self._every_cycle - self._every)
+        return self._left_where(FASTEST if self._fixed is None else 1.0), min(self._left_where(1.0), every)
 
     def _left_where(self, growth: float) -> float:
         """Count the contacts that are left where each size of jumps is so many times the one before."""

@@ -195,13 +195,14 @@ class StepLoop:
         return contacts_of(self._order.study) if self._jumps else len(self._order.plan)
 
     def _computed(self) -> int:
-        """Return how many contacts were computed."""
+        """Return how many steps were computed."""
         return len(self._rows) if self._jumps is None else self._jumps.contacts
 
     def _foreseen(self) -> tuple[float, float]:
-        """Return how many contacts are left, at least and at most."""
+        """Return how many steps like the last are left, at least and at most: its parts may become one."""
         left = self._count - len(self._rows)
-        return (left, left) if self._jumps is None else self._jumps.foreseen()
+        least, most = (left, left) if self._jumps is None else self._jumps.foreseen()
+        return least / (self._rows.last.get("parts", 1.0) if self._rows else 1.0), most
 
     def _steps_of(
         self, left: Sequence[Planned], blocks: Sequence[Block], *, with_fields: bool
