@@ -6,9 +6,7 @@ from cases_track import small
 import warpwear
 from warpwear import InputError, Study
 from warpwear.drafts.draft import outlook
-from warpwear.history.end_values import Verdict
 from warpwear.laws.elastic import asperities
-from warpwear.results import ending
 from warpwear.results.summary import UNTOLD, summarise, summary_text
 
 STILL = {"grid.cell": "20 um", "sliding.distance": "60 mm", "output.snapshots": []}
@@ -68,19 +66,13 @@ def test_details_have_every_number_of_the_summary() -> None:
     look({key: value for key, value in result.summary.items() if key not in UNTOLD})
 
 
-@pytest.mark.parametrize(
-    ("relative", "parts", "told"),
-    [
-        (0.06, {"step": 0.01, "cell": 0.05, "balance": 1e-9}, "± 6 % (cell 5, step 1)"),
-        (0.06, {"cell": 0.06, "direction": None}, "± 6 % or more (cell 6; direction not known)"),
-        (None, {"cell": None, "step": 0.02}, "± not known (cell)"),
-        (0.0, {}, "± 0 %"),
-    ],
-)
-def test_the_largest_part_of_an_error_comes_first(
-    relative: float | None, parts: dict[str, float | None], told: str
-) -> None:
-    assert ending.within(Verdict("", True, "", None, relative, parts, None, None, "")) == told
+def test_the_area_is_told_as_the_verdict_has_it() -> None:
+    """What makes it uncertain, the largest first, and what nobody looked at."""
+    for changes in ({}, {"contact.law": "half-space"}, {"checks.step_probe": False}):
+        result, rows = rows_of(small("representative", output__snapshots=["3 mm"]).replace(changes))
+        verdict = result.summary["verdict"]
+        area = verdict["area_corrected_mm2"] or result.summary["area_mm2"]["contact"]
+        assert rows["area in contact"].startswith(f"{area:.4g} mm² {verdict['area']}")
 
 
 def test_what_is_not_known_between_patches_is_left_open() -> None:

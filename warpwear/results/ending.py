@@ -4,8 +4,8 @@ from operator import itemgetter
 from typing import Any
 
 from warpwear.history.distances import with_unit
-from warpwear.history.end_values import Summary, Verdict
-from warpwear.history.verdict import LEAST, rank_of
+from warpwear.history.end_values import Summary
+from warpwear.history.verdict import rank_of
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import Row, lines, shown
@@ -24,8 +24,7 @@ def ending(result: ResultFile) -> str:
     s = Summary.of(content)
     kinds = [(rank_of(text, "note" if text in s.notes else "warning"), text) for text in s.warnings]
     ranked = sorted((pair for pair in kinds if pair[0] < LIGHTEST), key=itemgetter(0))
-    said: dict[str, Any] = {"within": within(s.verdict), "friction": friction_of(study, s)}
-    said["rim"] = s.verdict.scar_error_mm
+    said: dict[str, Any] = {"friction": friction_of(study, s), "rim": s.verdict.scar_error_mm}
     said |= {"warnings": [text for _, text in ranked], "heavy": ranked and ranked[0][0] == 0}
     formats = {"g": lambda value, digits: shown(value, digits), "far": with_unit}
     told: Any = {"study": study, "s": s, "content": content, **said}
@@ -34,19 +33,6 @@ def ending(result: ResultFile) -> str:
     if len(rows) >= MOST_LINES:  # the warning goes behind what is said of trust
         rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}: {rows[-1].value}")]
     return "\n".join([head, *lines(rows)])
-
-
-def within(verdict: Verdict) -> str:
-    """Say how far the area is known, the largest part first: '± 6 % (cell 5, step 1)'."""
-    known = {what: part for what, part in verdict.area_parts.items() if part is not None and part >= LEAST}
-    largest = sorted(known, key=lambda what: -known[what])
-    parts = ", ".join(f"{what} {100.0 * known[what]:.2g}" for what in largest)
-    unknown = ", ".join(what for what, part in verdict.area_parts.items() if part is None)
-    if verdict.area_relative is None:
-        return f"± not known ({unknown})" if unknown else "± not known"
-    more, left = (" or more", f"{unknown} not known") if unknown else ("", "")
-    why = "; ".join(filter(None, [parts, left]))
-    return f"± {100.0 * verdict.area_relative:.2g} %{more}" + (f" ({why})" if why else "")
 
 
 def friction_of(study: Study, s: Summary) -> str:
