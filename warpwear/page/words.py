@@ -79,17 +79,20 @@ def asked_of(study: Study, distance: float) -> str:
 
 def answers_of(study: Study, s: Summary) -> list[Answer]:
     """Give the five numbers that answer the question."""
-    of_pass = f", mean of the {s.end_values}" if study.is_swept else ""
     uniform = s.pressure_std <= 1e-6 * s.pressure_mean
     spread = "uniform" if uniform else f"standard deviation {s.pressure_std:.3g} MPa"
-    rim, area = f"± {2 * s.cell:.3g} µm, a cell at each rim", s.verdict.area_corrected_mm2 or s.area_contact
+    scar, better = s.verdict.scar_error_mm, s.verdict.area_corrected_mm2
+    note = f", mean of the {s.end_values}" * study.is_swept + f"; {shown(s.area_contact)} counted" * bool(
+        better
+    )
+    rim = "± not known" if scar is None else f"± {1e3 * scar:.3g} µm"
     strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
-    part = f"{100.0 * (s.area_contact / s.area_nominal):.3g} % of the scar{of_pass}{strip}"
+    part = f"{100.0 * (s.area_contact / s.area_nominal):.3g} % of the scar{note}{strip}"
     largest = f"{spread}, largest {shown(s.pressure_max)} MPa"
     approach = shown(s.approach).replace("-", "−")
     return [
         Answer("Scar, along × across sliding", shown([s.patch_along, s.patch_across]), "mm", rim),
-        _answer(ENDS["area_contact"], shown(area), error=s.verdict.area, note=part),
+        _answer(ENDS["area_contact"], shown(better or s.area_contact), error=s.verdict.area, note=part),
         _answer(ENDS["pressure_mean"], shown(s.pressure_mean), error="as that of the area", note=largest),
         _worn(study, s) if study.sliding.total else _answer(BY_NAME["approach"], approach, note=APPROACH),
         _cof(study, s),

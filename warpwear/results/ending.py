@@ -24,10 +24,9 @@ def ending(result: ResultFile) -> str:
     s = Summary.of(content)
     kinds = [(rank_of(text, "note" if text in s.notes else "warning"), text) for text in s.warnings]
     ranked = sorted((pair for pair in kinds if pair[0] < LIGHTEST), key=itemgetter(0))
-    said: dict[str, Any] = {"friction": friction_of(study, s), "rim": s.verdict.scar_error_mm}
-    said |= {"warnings": [text for _, text in ranked], "heavy": ranked and ranked[0][0] == 0}
     formats = {"g": lambda value, digits: shown(value, digits), "far": with_unit}
-    told: Any = {"study": study, "s": s, "content": content, **said}
+    told: Any = {"study": study, "s": s, "content": content, "friction": friction_of(study, s)}
+    told |= {"warnings": [text for _, text in ranked], "heavy": ranked and ranked[0][0] == 0}
     head, *others = filled("ending.txt", formats, escape=False, **told).splitlines()
     rows = [Row(label, "", text) for label, _, text in (line.partition(": ") for line in others) if text]
     if len(rows) >= MOST_LINES:  # the warning goes behind what is said of trust
