@@ -2,15 +2,18 @@
 
     python bench/kills.py --kills 200
     python bench/kills.py --kills 200 --shard 3/16
+    python bench/kills.py --sweeps 30
 
 Every study runs undisturbed once, with one thread. Then it is run with checkpoints after every step (or every
 `--every` seconds), killed with SIGKILL at a random moment, resumed, killed again and so on until it finishes,
 each time with other numbers of threads of its own, of BLAS and of OpenMP, or on one core; and again until all
-kills are spent. `--shard k/n` does the k-th of n parts, k from 0, so that n processes do all.
+kills are spent. `--shard k/n` does the k-th of n parts, k from 0, so that n processes do all. `--sweeps`
+kills sweeps with all their workers instead: the table at the end is that of a sweep left alone, row by row.
 """
 
 import argparse
 import contextlib
+import csv
 import os
 import random
 import shutil
@@ -34,6 +37,18 @@ ENVIRONMENTS: tuple[tuple[str | None, bool], ...] = ((None, False), ("1", False)
 #: Begins a command on one core, before BLAS looks how many there are.
 ON_ONE_CORE = (
     "import os, sys; os.sched_setaffinity(0, [int(sys.argv[1])]); os.execv(sys.argv[2], sys.argv[2:])"
+)
+#: A sweep of six runs by two workers.
+SWEEP = (
+    *(sys.executable, "-m", "warpwear", "sweep", "v3-fine", "--workers", "2", "--set", "grid.cell=20 um"),
+    *(
+        "--set",
+        "sliding.distance=5 mm",
+        "--vary",
+        "contact.load=2 N,4 N,8 N",
+        "--vary",
+        "disc.synthetic.seed=1:2",
+    ),
 )
 SMALL = {"grid.cell": "20 um", "output.snapshots": ["0.5 mm", "3 mm"]}
 PIECES = SMALL | {
@@ -134,6 +149,26 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "stepping.scheme": "implicit",
             "disc.synthetic.kind": "self-affine",
             "disc.synthetic.ra": "0.5 um",
+        },
+    ),
+    "layers, jumps": (
+        "track",
+        {
+            "grid.cell": "10 um",
+            "sliding.distance": "120 mm",
+            "stepping.jump": "auto",
+            "disc.layers": [{"name": "coat", "thickness": "0.1 um", "wear": "1e-5 mm^3/N/m"}],
+            "output.snapshots": ["20 mm"],
+        },
+    ),
+    "half-space track, jumps": (
+        "track",
+        {
+            "grid.cell": "20 um",
+            "contact.law": "half-space",
+            "sliding.distance": "60 mm",
+            "stepping.jump": "auto",
+            "output.snapshots": ["20 mm"],
         },
     ),
     "stresses": (
@@ -247,6 +282,48 @@ def killed(process: subprocess.Popen[bytes], after: float) -> bool:
     return process.returncode == -signal.SIGKILL
 
 
+def rows_of(folder: Path) -> list[dict[str, str]]:
+    """Return the rows of a sweep's table, without what a clock measured."""
+    with open(folder / "table.csv", newline="", encoding="utf-8") as file:
+        return [
+            {name: cell for name, cell in row.items() if name != "seconds"} for row in csv.DictReader(file)
+        ]
+
+
+def kill_sweeps(many: int, dice: random.Random) -> bool:
+    """Kill sweeps with their workers until each has ended, and return whether all tables are alike."""
+    kills, alike = 0, 0
+    with tempfile.TemporaryDirectory() as folder:
+        alone = Path(folder, "alone")
+        started = time.monotonic()
+        subprocess.run([*SWEEP, "--out", alone], check=True, capture_output=True)
+        lasted = time.monotonic() - started
+        for turn in range(many):
+            out, here = Path(folder, f"killed-{turn}"), 0
+            while True:
+                patience = dice.uniform(0.2, lasted) if here < 4 else 600.0
+                resume = ["--resume"] * (out / "runs").is_dir()
+                command = [*SWEEP, "--out", out, *resume]
+                process = subprocess.Popen(
+                    command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+                )
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    _, told = process.communicate(timeout=patience)
+                    if process.returncode:
+                        raise RuntimeError(
+                            f"a sweep ended with status {process.returncode}: {told.decode()[-1000:]}"
+                        )
+                    break
+                os.killpg(process.pid, signal.SIGKILL)
+                process.communicate()
+                here += 1
+            same = rows_of(alone) == rows_of(out)
+            print(f"sweep {turn}: {here} kills, {'the same rows' if same else 'other rows'}", flush=True)
+            kills, alike = kills + here, alike + same
+    print(f"{kills} kills, {alike} of {many} sweeps the same")
+    return alike == many
+
+
 def main(arguments: list[str]) -> None:
     """Exit status 1 if anything differs."""
     if arguments[:1] == ["--here"]:
@@ -259,9 +336,12 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--case", choices=CASES, action="append", help="repeatable; all, if not given")
     parser.add_argument("--shard", default="0/1", metavar="k/n", help="which part of how many")
+    parser.add_argument("--sweeps", type=int, default=0, help="kill so many sweeps, and no runs")
     options = parser.parse_args(arguments)
     shard, shards = map(int, options.shard.split("/"))
     dice = random.Random(f"{options.seed}, {options.shard}")
+    if options.sweeps:
+        sys.exit(not kill_sweeps(options.sweeps, dice))
     chosen = options.case or list(CASES)
     jobs = max(len(chosen), shards)  # more shards than cases: cases come several times
     kills, runs, alike, resumed = 0, 0, 0, 0

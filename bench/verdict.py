@@ -209,7 +209,8 @@ def judge(name: str, surface: Path, finer: float, shorter: float) -> dict[str, A
     )
     scars = [[*s["scar_mm"].values()] for s in pair]
     found |= {"told": told["area_relative"], "parts": told["area_parts"], "true": areas[1] / areas[0] - 1.0}
-    found["cells off"] = max(abs(a - b) for a, b in zip(*scars, strict=True)) / pair[0]["cell_um"] * 1e3
+    pair_of = zip(*scars, strict=True)
+    found["scar"] = max(abs(a - b) for a, b in pair_of), told["scar_error_mm"]
     return found | {"s": time.perf_counter() - start}
 
 
@@ -225,7 +226,8 @@ def line(name: str, found: dict[str, Any]) -> str:
     told, true = found["told"], found["true"]
     ratio = "" if told is None else f"{told / max(abs(true), 1e-9):.2g}"
     total = "not known" if told is None else f"{100.0 * told:.2g}"
-    row = name, parts, total, f"{100.0 * true:+.2f}", ratio, f"{found['cells off']:.1f}", f"{found['s']:.0f}"
+    scar = " of ".join("not known" if error is None else f"{1e3 * error:.3g}" for error in found["scar"])
+    row = name, parts, total, f"{100.0 * true:+.2f}", ratio, scar, f"{found['s']:.0f}"
     return f"| {' | '.join(row)} |"
 
 
@@ -240,7 +242,9 @@ def main() -> None:
     parser.add_argument("--shorter", type=float, default=8.0, help="step over that of the finer run, in mm")
     options = parser.parse_args()
     names = [name for name in CASES if any(word in name for word in options.only.split(";"))]
-    print("| case | told parts, % | told | true | told/true | scar off, cells | s |\n" + "|---" * 7 + "|")
+    print(
+        "| case | told parts, % | told | true | told/true | scar off, of told, µm | s |\n" + "|---" * 7 + "|"
+    )
     ratios = []
     with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(options.processes) as pool:
         surface = measured_surface(Path(folder))
