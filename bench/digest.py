@@ -21,6 +21,13 @@ import numpy as np
 
 import warpwear
 
+#: What a preset keeps for looking at is kept here in all digits, at more distances: steps end at them.
+KEPT: dict[str, dict[str, Any]] = {
+    "v3-fine": {
+        "output.precision": "double",
+        "output.snapshots": ["0.3 mm", "3 mm", "30 mm", "240 mm", "600 mm", "1200 mm", "2400 mm"],
+    },
+}
 HALF_SPACE = {"contact.law": "half-space", "grid.cell": "10 um", "sliding.distance": "60 mm"}
 #: Case: the preset and what is changed in it.
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -120,7 +127,7 @@ def make(folder: Path, threads: str, device: str, only: str) -> None:
                 continue
             start = time.perf_counter()
             try:
-                study = warpwear.Study.load(preset).replace(changes)
+                study = warpwear.Study.load(preset).replace(KEPT.get(preset, {}) | changes)
                 warpwear.run(
                     study, out=out, device=device, threads=count, plots=False, overwrite=True
                 ).close()

@@ -15,6 +15,7 @@ from warpwear.results.formats.bodies import worn_heights
 def result() -> Result:
     study = Study.load("v3-fine").replace(
         {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
+        | {"output.precision": "double"}
     )
     return warpwear.run(study)
 
@@ -83,6 +84,7 @@ def test_bad_input(tmp_path: Path, result: Result) -> None:
 def test_beyond_the_counter_there_is_nothing() -> None:
     study = Study.load("v3-fine").replace(
         {"grid.cell": "20 um", "sliding.distance": "0 mm", "counter.radius": "0.6 mm"}
+        | {"output.precision": "double"}
     )
     result = warpwear.run(study)
     counter = worn_heights(result, result.snapshot(-1), "counter")

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
+import warpwear
 from warpwear.results import writer
 
 SIDE = 256
@@ -65,3 +66,24 @@ def test_bytes_without_order_are_stored_and_runs_are_not() -> None:
     assert size["pressed in part"] < 0.7 * whole
     assert size["constant"] < 1000
     assert writer._compressed(np.zeros((SIDE, SIDE)), (SIDE, SIDE)) is None  # is not written at all
+
+
+def test_single_keeps_all_digits_of_the_pressure_and_rounds_the_rest(tmp_path: Path) -> None:
+    """Cells at the hardness are told by its very value; what a run shows at its end is what is read later."""
+    changes = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
+    study = warpwear.Study.load("v3-fine").replace(changes)
+    with warpwear.run(study.replace({"output.precision": "double"}), plots=False) as exact:
+        whole = [exact.snapshots[i].fields for i in (0, 1)]
+    for out in (None, tmp_path / "run"):
+        with warpwear.run(study, out=out, plots=False) as run:
+            at_hand = [run.snapshots[i].fields for i in (0, 1)]
+        for fields, kept in zip(whole, at_hand, strict=True):
+            assert np.array_equal(fields["pressure"], kept["pressure"])
+            for name in ("gap", "wear_counter", "wear_disc"):
+                assert np.array_equal(kept[name], fields[name].astype(np.float32)), name
+                assert not np.array_equal(kept[name], fields[name]), name
+    with warpwear.Result(tmp_path / "run") as read:
+        for kept, fields in zip(at_hand, (read.snapshots[i].fields for i in (0, 1)), strict=True):
+            assert all(
+                np.array_equal(kept[name], fields[name]) and fields[name].dtype == float for name in kept
+            )

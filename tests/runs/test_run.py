@@ -19,7 +19,10 @@ from warpwear.models.rest.local import OneScaleModel
 from warpwear.surfaces.made.self_affine import SelfAffine
 
 COLUMNS = columns_of(Study.load("v3-fine"))
-QUICK = {"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]}
+QUICK = {
+    **{"grid.cell": "20 um", "sliding.distance": "30 mm", "output.snapshots": ["3 mm"]},
+    "output.precision": "double",
+}
 
 
 def quick(**changes: Any) -> Study:

@@ -14,6 +14,8 @@ from warpwear.surfaces.base import BoolArray
 #: Fields of every run, and those by which the disc lies lower or higher beside its wear.
 NAMED = ("pressure", "wear_counter", "wear_disc", "gap")
 LOWERING = tuple(name for name, one in FIELDS.items() if one.lowers and name not in NAMED)
+#: Fields that keep all digits: the cells at the hardness are told by its very value.
+EXACT = ("pressure",)
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,6 +89,14 @@ class Snapshot:
         copies = {k: v if k in self.fresh else v.copy() for k, v in self.fields.items()}
         others = {name: getattr(self, name) for name in ("row", "load_on_filled", "fresh")}
         return Snapshot.of(self.distance, copies, **others)
+
+    def rounded(self) -> "Snapshot":
+        """Return a snapshot of its own with the digits of single precision, but for the fields of EXACT."""
+        whole = self.lasting()
+        for name in whole.fields.keys() - {*EXACT}:
+            values = whole.fields[name]
+            values[...] = values.astype(np.float32)
+        return whole
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape

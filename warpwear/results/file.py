@@ -322,7 +322,7 @@ class ResultFile:
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
-            fields = {name: group[name][()] for name in FIELDS if name in group}
+            fields = {name: group[name][()].astype(float) for name in FIELDS if name in group}
             check_fields(fields, self.study)
             on_filled = float(group.attrs["load_on_filled"]) if "load_on_filled" in group.attrs else None
             return Snapshot.of(float(group.attrs["distance"]), fields, row=row, load_on_filled=on_filled)
@@ -414,7 +414,7 @@ class ResultFile:
             number = _number(index, self.snapshot_distances.size)
             at_hand, name = self.at_hand.get(number), list(file["snapshots"])[number]
             group = at_hand.fields if at_hand else file["snapshots"][name]
-            worn: FloatArray = group["wear_disc"][rows]
+            worn: FloatArray = group["wear_disc"][rows].astype(float)
             return worn, np.zeros_like(worn) + lowered(group, rows)
 
     @property

@@ -21,7 +21,7 @@ import psutil
 from warpwear.grid import FloatArray
 from warpwear.history import quantities
 from warpwear.history.pieces import PieceBook
-from warpwear.history.snapshot import Snapshot
+from warpwear.history.snapshot import EXACT, Snapshot
 from warpwear.results.file import PATCH
 from warpwear.study.study import Study
 from warpwear.version import __version__
@@ -76,12 +76,15 @@ class ResultWriter:
         """
         if not self._keeps_snapshots:
             return
+        single = self._study.output.precision == "single"
+        if single:
+            snapshot = snapshot.rounded()
         size = sum(values.nbytes for values in snapshot.fields.values())
         self._require_space(size)
         snapshots = self._file["snapshots"]
         plenty = size < AT_HAND * psutil.virtual_memory().available
         if plenty:
-            snapshot = self.at_hand[len(snapshots)] = snapshot.lasting()
+            snapshot = self.at_hand[len(snapshots)] = snapshot if single else snapshot.lasting()
         group = snapshots.create_group(f"{len(snapshots):04d}")
         for name in ("distance", "row", "load_on_filled"):
             if (value := getattr(snapshot, name)) is not None:
@@ -91,12 +94,13 @@ class ResultWriter:
         for name, values in snapshot.fields.items():
             chunks = tuple(min(CHUNK, n) for n in values.shape)
             how = {"compression": "gzip", "compression_opts": LEVEL, "shuffle": True}
-            dataset = group.create_dataset(name, values.shape, values.dtype, chunks=chunks, **how)
+            dtype = np.float32 if single and name not in EXACT else values.dtype
+            dataset = group.create_dataset(name, values.shape, dtype, chunks=chunks, **how)
             dataset.attrs.update(
                 units=quantities.FIELDS[name].units, long_name=quantities.FIELDS[name].meaning
             )
             for place in dataset.iter_chunks():
-                part, start = values[place], tuple(along.start for along in place)
+                part, start = values[place].astype(dtype, copy=False), tuple(along.start for along in place)
                 if self._pool is not None and plenty:
                     self._waiting.append((dataset, start, self._pool.submit(_compressed, part, chunks)))
                 elif (block := _compressed(part, chunks)) is not None:
@@ -245,9 +249,9 @@ def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
     """
     block = values
     if values.shape != chunk:
-        block = np.zeros(chunk)
+        block = np.zeros(chunk, values.dtype)
         block[tuple(slice(n) for n in values.shape)] = values
-    words = np.ascontiguousarray(block).view(np.uint64)
+    words = np.ascontiguousarray(block).view(f"u{block.itemsize}")
     if not words.any():
         return None
     planes = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)

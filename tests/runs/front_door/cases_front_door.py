@@ -6,7 +6,10 @@ import numpy as np
 
 from warpwear import Result, Study
 
-QUICK = {"grid.cell": "20 um", "sliding.distance": "3 mm", "output.snapshots": ["0.3 mm"]}
+QUICK = {
+    **{"grid.cell": "20 um", "sliding.distance": "3 mm", "output.snapshots": ["0.3 mm"]},
+    "output.precision": "double",
+}
 TRACK = {"grid.cell": "20 um", "sliding.distance": "12 mm", "output.snapshots": ["3.1 mm"]}
 
 

@@ -150,6 +150,11 @@ class Output(Section):
         "sliding distances at which fields are kept; the end always is, and [] is the end alone; auto: also "
         "after 1/1000, 1/100 and 1/10 of the test; auto and swept: at the end of the step that reaches each",
     )
+    precision: Literal["double", "single"] = key(
+        "double",
+        "digits of the fields of snapshots: single makes a folder less than half as large; pressures, and "
+        "all that is computed, are double",
+    )
     static_area_every: Annotated[int, Field(ge=0, strict=True)] = key(
         0,
         "half-space: also solve the contact without wear in the step, every so many steps, for its area; "
