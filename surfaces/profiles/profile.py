@@ -185,8 +185,15 @@ def mean_width(heights: FloatArray, *, spacing: float, least: float) -> float | 
     """Return RSm [mm]: the mean distance at which a profile [mm], shape (n,), rises through its mean of 0.
 
     Only peaks and valleys count that leave the mean line by `least` [mm]; lower ones belong to their
-    neighbours. None where fewer than two such rises are there.
+    neighbours. Read from both ends, and the mean of both. None where fewer than two such rises are there.
     """
+    widths = [_mean_width(one, least) for one in (heights, heights[::-1])]
+    known = [width for width in widths if width is not None]
+    return spacing * sum(known) / len(known) if known else None
+
+
+def _mean_width(heights: FloatArray, least: float) -> float | None:
+    """Return the mean distance of rises, in points, of a profile that is read from its first point."""
     known = np.flatnonzero(~np.isnan(heights))
     far = known[np.abs(heights[known]) > least]
     side = np.sign(heights[far])
@@ -194,7 +201,7 @@ def mean_width(heights: FloatArray, *, spacing: float, least: float) -> float | 
     if rises.size < 2:
         return None
     crossings = [_crossing(heights, known, far[i], far[i + 1]) for i in (rises[0], rises[-1])]
-    return float(crossings[1] - crossings[0]) * spacing / (rises.size - 1)
+    return float(crossings[1] - crossings[0]) / (rises.size - 1)
 
 
 def _crossing(heights: FloatArray, known: IntArray, low: int, high: int) -> float:

@@ -57,6 +57,8 @@ def test_low_elements_do_not_count() -> None:
     assert mean_width(ripple, spacing=STEP, least=0.2) == pytest.approx(0.5, rel=2e-3)
     assert mean_width(ripple, spacing=STEP, least=0.0) < 0.3
     assert mean_width(heights[:900], spacing=STEP, least=0.2) is None
+    noise = np.convolve(np.random.default_rng(3).normal(size=4000), np.ones(9), "same")
+    assert mean_width(noise, spacing=STEP, least=3.0) == mean_width(noise[::-1], spacing=STEP, least=3.0)
 
 
 def test_missing_points_have_no_weight() -> None:
