@@ -82,3 +82,10 @@ def test_a_row_of_pressures_is_one_amid_nothing(axis: int) -> None:
     within = stresses(wide, [0.0, 0.15], traction=(wide, 0.5 * wide), **of).tensor
     middle = within[..., 1:2] if axis == 0 else within[..., 1:2, :]
     np.testing.assert_allclose(alone, middle, rtol=0.0, atol=1e-12)
+
+
+def test_memory_that_runs_out_is_a_memory_error(failing: Callable[[str, Exception], None]) -> None:
+    error = RuntimeError("Failed to allocate 33816576 bytes on device 'cpu'")  # as Warp says it
+    failing("warpwear.contact.array.solve.solve_half_space", error)
+    with pytest.raises(MemoryError, match="33816576 bytes"):
+        solve_contact(FLAT, cell=0.1, load=1.0, modulus=1.0, counter_radius=10.0)

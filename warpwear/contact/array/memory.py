@@ -26,9 +26,16 @@ LARGE = 2**22
 
 @contextmanager
 def giving_back(executor: Executor) -> Iterator[None]:
-    """Leave nothing of a large solve on a GPU, of one that failed neither."""
+    """Leave nothing of a large solve on a GPU, of one that failed neither.
+
+    Raises MemoryError where memory runs out, which Warp says in a RuntimeError.
+    """
     try:
         yield
+    except RuntimeError as error:
+        if "Failed to allocate" not in str(error):
+            raise
+        raise MemoryError(str(error)) from error
     finally:
         if executor.grid.cells >= LARGE:
             release(executor.device)
