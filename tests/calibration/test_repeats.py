@@ -92,6 +92,7 @@ def test_it_is_written_as_a_folder(records: tuple[list[Path], list[Truth]], tmp_
         "repeats.html",
         "repeats.csv",
         "repeats.json",
+        "manifest.json",
         "courses.png",
     }
     page = (out / "repeats.html").read_text(encoding="utf-8")

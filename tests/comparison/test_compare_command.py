@@ -30,6 +30,7 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path, qui
             "table.csv",
             "comparison.json",
             "compare.html",
+            "manifest.json",
         ]
     )
     with warpwear.Result.open(runs / "a") as result:
@@ -152,7 +153,8 @@ def test_a_comparison_is_replaced_only_when_asked(
         done = warpwear_compare(*arguments, "--overwrite", "--format", "svg")
     assert done.exit_code == 0, done.output
     assert (out / "mine.txt").read_text() == "kept"
-    assert sorted(path.suffix for path in out.iterdir()) == [".csv", ".html", ".json", ".svg", ".svg", ".txt"]
+    kinds = [".csv", ".html", ".json", ".json"]
+    assert sorted(path.suffix for path in out.iterdir()) == [*kinds, ".svg", ".svg", ".txt"]
     # A failure while writing leaves the old one.
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     failing("warpwear.comparison.compare.write_json", OSError(28, "No space left on device"))
@@ -170,6 +172,7 @@ def test_experiments_alone_have_one_figure(measured: Path, tmp_path: Path) -> No
         "cof.png",
         "compare.html",
         "comparison.json",
+        "manifest.json",
         "table.csv",
     ]
 

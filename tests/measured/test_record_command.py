@@ -60,7 +60,8 @@ def test_a_folder_is_written_and_its_table_is_the_course_again(
     assert result.exit_code == 0, result.output
     assert "written to jump-record/: record.html, record.csv, record.json, figures" in result.output
     folder = tmp_path / "jump-record"
-    assert {p.name for p in folder.iterdir()} == {"course.png", "record.csv", "record.html", "record.json"}
+    written_files = {"course.png", "record.csv", "record.html", "record.json", "manifest.json"}
+    assert {p.name for p in folder.iterdir()} == written_files
     again = read_experiment(folder / "record.csv")
     with (folder / "record.csv").open() as file:
         rows = list(csv.DictReader(file))

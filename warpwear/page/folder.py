@@ -9,6 +9,7 @@ from typing import TypeAlias
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
+from warpwear.results import manifest
 from warpwear.results.folder import whole_folder
 
 #: What a file holds, or what writes it at a path.
@@ -63,9 +64,11 @@ def write_report(
 
     pages, files: by name. marks: names of files that show that a folder is whole. within: the folder of
     figures inside it. file_format: of `style.FORMATS`. older: names of figures of an older report, which go.
+    With marks a manifest says what is written: other files of these names are kept under another one.
     """
     pictures = {name: style.bytes_of(paint(figure)) for name, figure in figures.items()}
-    stale = [f"{name}.{kind}" for name in older for kind in style.FORMATS]
+    ours = manifest.written(folder) if marks else set()
+    stale = [f"{name}.{kind}" for name in older for kind in style.FORMATS if f"{name}.{kind}" in ours]
     with ExitStack() as stack:
         work = stack.enter_context(whole_folder(folder, marks, stale=[] if within else stale))
         drawings = stack.enter_context(whole_folder(folder / within, (), stale=stale)) if within else work
@@ -75,6 +78,11 @@ def write_report(
             (drawings / f"{name}.{file_format}").write_bytes(drawn)
         for name, content in {**files, **{name: make(pictures) for name, make in pages.items()}}.items():
             _write(work / name, content)
+        if marks:
+            manifest.write(work, (path.name for path in work.iterdir()))
+            for path in work.iterdir():
+                if path.name not in ours:
+                    manifest.set_aside(folder / path.name)
         names = sorted((path.name for path in work.iterdir()), key=lambda name: (name in marks, name))
         inside = sorted(f"{within}/{path.name}" for path in drawings.iterdir()) if within else []
     return [folder / name for name in [*inside, *names]]
