@@ -211,16 +211,17 @@ def _first_split(line: str, *, words: bool) -> tuple[str | None, int]:
     for separator in SEPARATORS:
         fields = split(line, separator)
         least = 2 if words or separator is not None else 1
-        if len(fields) >= least and _is_row(fields, words=words and separator is not None):
+        if len(fields) >= least and _is_row(fields, words=words and separator is not None, clocks=words):
             return separator, len(fields)
     return None, 0
 
 
-def _is_row(fields: list[str], *, words: bool) -> bool:
+def _is_row(fields: list[str], *, words: bool, clocks: bool) -> bool:
     values = sum(_is_value(field) for field in fields)
     numbers = sum(NUMBER.fullmatch(field) is not None for field in fields)
     if not words or len(fields) < 3:
-        return numbers > 0 and values == len(fields)
+        times = sum(DATE.fullmatch(field) is not None for field in fields) if clocks else 0
+        return numbers > 0 and values + times == len(fields)
     others = sum(
         DATE.fullmatch(field) is not None or (any(c.isalpha() for c in field) and not NUMBER.match(field))
         for field in fields

@@ -51,4 +51,4 @@ def test_friction_without_load_is_told_and_taken_off(tmp_path: Path) -> None:
 
 def test_a_sensor_at_the_end_of_its_range_is_told(tmp_path: Path) -> None:
     read = warpwear.read_record(record(tmp_path, most=3.2), speed="20 mm/s")
-    assert any("stays at 3.2, its largest value" in warning for warning in read.numbers["warnings"])
+    assert any("is exactly 3.2, its largest value" in warning for warning in read.numbers["warnings"])

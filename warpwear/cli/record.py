@@ -26,7 +26,10 @@ from warpwear.cli.places import records, reports, written
 def record(files: tuple[Path, ...], **options: Any) -> None:
     """Say what is in the record of a tribometer, as its machine wrote it, and draw it.
 
-    FILE... is one record: a file, several that follow each other, or a folder of them. Prints and draws
+    FILE... is one record: a file, several that follow each other, or a folder of them: tables of text (.csv,
+    .txt, .tsv, any encoding and decimal sign) or .xlsx; exports of Rtec, CETR or Bruker UMT, Phoenix
+    (Compend), Anton Paar or CSM, PCS, Optimol SRV, Ducom, Nanovea, LabVIEW, Kyowa logger and ITeR T-11 are
+    known by what they say. Prints and draws
     the coefficient of friction with its scatter, incubation, jump, overshoot, the steady value with its
     error, energy, friction loops, and what was left out. `compare`, `calibrate` and `bayes` read
     the same files.

@@ -24,6 +24,7 @@ NAMES = {
     "distance": r"(?:total |sliding |accumulated |cumulative )*(?:distance|dist\.?)|"
     r"gleitweg|reibweg|gesamtweg|weg|gleitstrecke|strecke",
     "time": r"(?:total |elapsed |test |sliding |run )?time|t|(?:test|mess|versuchs|lauf|gleit)?zeit",
+    "clock": "clock",
     "cycle": r"cycles?(?: (?:number|no\.?|count))?|zykl(?:us|en)(?:zahl)?",
     "cof": rf"(?:daq\.)?{_MEAN}(?:{_COEFFICIENT})(?: (?:mean|avg|average|abs|absolute|filtered))?",
     "friction force": r"fx|ff|ft|fr|f[ _]?x|(?:friction|tangential|lateral)(?: force)?|"
@@ -32,24 +33,39 @@ NAMES = {
     "position": r"(?:x[ -]?|stage |stroke |linear )?pos(?:ition|\.)?|x|displacement|auslenkung|hub",
     "laps": r"(?:total |number of |no\.? of )?(?:laps?|revolutions?|turns?|revs?)|runden|umdrehungen",
     "rpm": r"(?:rotational |rotation |disc |disk )?(?:speed|velocity)|rpm|drehzahl",
-    "speed": r"(?:linear |sliding |mean )*(?:speed|velocity)|(?:gleit)?geschwindigkeit",
+    "speed": r"(?:linear |sliding |mean |stroke |average )*(?:speed|velocity)"
+    r"(?: (?:average|mean|value|current))*|(?:gleit)?geschwindigkeit",
     "radius": r"(?:wear |disc |disk )?(?:track )?radius",
     "load": r"(?:nominal|set) (?:load|force)",
+    "torque": r"(?:friction(?:al)? )?(?:torque|moment)|[mt]z|reib(?:ungs)?moment|drehmoment",
+    "frequency": r"(?:oscillation |oscillating |stroke |test )?(?:frequency|freq\.?)|frequenz",
+    "stroke": r"stroke(?: length)?|hubl(?:ä|ae)nge",
     "step": r"(?:recipe ?)?step(?: (?:no\.?|number|id))?",
 }
 #: Roles that serve where they are clear, and are left where they are not.
-HELPERS = ("laps", "rpm", "speed", "radius", "load", "step")
+HELPERS = ("clock", "laps", "rpm", "speed", "radius", "load", "torque", "frequency", "stroke", "step")
 #: Role -> unit that its numbers are converted to; the other roles have numbers without a unit.
 TARGETS = {"distance": "mm", "time": "s", "friction force": "N", "normal force": "N", "position": "mm"}
-TARGETS |= {"speed": "mm/s", "radius": "mm", "load": "N", "rpm": "rpm"}
+TARGETS |= {"speed": "mm/s", "radius": "mm", "load": "N", "rpm": "rpm", "clock": "s", "torque": "N*mm"}
+TARGETS |= {"frequency": "Hz", "stroke": "mm"}
 #: What a unit of each target measures.
 KINDS = {"mm": "length", "s": "time", "N": "force", "mm/s": "speed", "rpm": "turns a minute"}
+KINDS |= {"N*mm": "torque", "Hz": "frequency"}
 #: Turns a minute in what turns are counted in, in small letters.
 TURNS = {"rpm": 1.0, "1/min": 1.0, "min-1": 1.0, "u/min": 1.0, "hz": 60.0, "1/s": 60.0, "rps": 60.0}
 #: What stands for a unit of a plain number.
-WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none", "rev", "laps", "cycles"))
+WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none", "dimensionless"))
+#: Units of a distance or a time that is a count of something -> its role.
+COUNTS = dict.fromkeys(("lap", "laps", "rev", "revs", "turns", "revolutions"), "laps")
+COUNTS |= dict.fromkeys(("cycle", "cycles"), "cycle")
 #: Units in small letters that are spelt otherwise in a study.
 LOCAL = {"sek": "s", "std": "h", "μm": "um", "micrometer": "um", "mm/sec": "mm/s", "m/sec": "m/s"}
+#: A torque's unit with whatever stands between force and length.
+_TORQUE = re.compile(r"([mk]?N)\W*([cm]?m)")
+#: What else a column may be called that holds coefficients of friction, such as a second mean of them.
+_LIKE_COF = re.compile(rf".*\b(?:{_COEFFICIENT}|friction|traction|reib\w*)\b.*")
+#: Relative difference of a coefficient from the one taken, or from the ratio of the forces, that is told.
+OTHER_RATIO = 0.05
 #: Units of mass that stand for the weight of one.
 WEIGHTS = {"g": "gf", "kg": "kgf"}
 #: What a number of columns picked by hand stands for.
@@ -86,7 +102,7 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
         role: _different(record, [i for i, title in enumerate(titles) if _role(record, *title) == role])
         for role in NAMES
     }
-    if not roles["cof"] and not roles["friction force"]:
+    if not roles["cof"] and not roles["friction force"] and not roles["torque"]:
         raise InputError(
             f"{record.path} has no column for the coefficient of friction among "
             f"{_listed([name for name in record.names if name])}; a "
@@ -113,7 +129,8 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
                 raise
             continue
         columns[role] = Column(roles[role][0], title, factor)
-    return columns
+    clock = columns.pop("clock", None)
+    return columns if clock is None else {"time": clock} | columns
 
 
 def further(record: Record, chosen: dict[str, Column]) -> dict[str, Column]:
@@ -123,7 +140,7 @@ def further(record: Record, chosen: dict[str, Column]) -> dict[str, Column]:
         name, unit = _title(record, index)
         if (
             index in taken
-            or unit.lower() in WITHOUT_UNIT
+            or unit.lower() in WITHOUT_UNIT | COUNTS.keys()
             or _known(record, name)
             or _role(record, name, unit)
         ):
@@ -132,6 +149,25 @@ def further(record: Record, chosen: dict[str, Column]) -> dict[str, Column]:
             record.columns([index])
             columns[f"{name} [{unit}]"] = Column(index, record.names[index], 1.0)
     return columns
+
+
+def other_coefficients(record: Record, taken: Column) -> list[str]:
+    """Say which columns beside the coefficient that is taken look like others, and differ."""
+    middles = {}
+    for index in range(record.table.width):
+        name, unit = _title(record, index)
+        if unit.lower() in WITHOUT_UNIT and _LIKE_COF.fullmatch(name):
+            with suppress(InputError):  # of words
+                values = np.abs(record.columns([index]))
+                if (known := values[np.isfinite(values)]).size:
+                    middles[index] = float(np.median(known))
+    own = middles.pop(taken.index, np.nan)
+    others = [i for i, middle in middles.items() if abs(middle - own) > OTHER_RATIO * own]
+    if not others:
+        return []
+    listed = ", ".join(f"'{record.names[index]}' {middles[index]:.3g}" for index in others)
+    which = f"the coefficient is the column '{taken.title}', median {own:.3g}"
+    return [f"Warning: {which}; others look like coefficients: {listed}; --columns takes one of them."]
 
 
 def _different(record: Record, indices: list[int]) -> list[int]:
@@ -152,6 +188,8 @@ def _title(record: Record, index: int) -> tuple[str, str]:
         return "", ""
     name, unit = split_unit(record.names[index])
     below = record.units[index].strip("[]() ") if record.units else ""
+    if record.is_clock(index):
+        return "clock", "s"
     _, known = _known(record, name) or ("", "")
     return name, known if known == "-" else unit or below or known
 
@@ -167,12 +205,13 @@ def split_unit(title: str) -> tuple[str, str]:
     title = unicodedata.normalize("NFKC", title).strip().replace("_", " ")
     for pattern in (
         r"(.*?)\s*[\[(]([^\[\]()]*)[\])]$",
+        r"(.*?)\s*[,/]\s+(\S+)$",
         r"(.*?)\s*[,/]\s*([^,/]+)$",
         r"(.*?)\s+in\s+(\S+)$",
         r"(.*?)\s+(\S+)$",
     ):
         match = re.fullmatch(pattern, title)
-        if match and match[1] and (is_unit(match[2]) or pattern.endswith(r"[\])]$")):
+        if match and match[1] and ("[(" in pattern or is_unit(match[2], rare="[,/]" in pattern)):
             return " ".join(match[1].lower().split()), match[2].strip()
     return " ".join(title.lower().split()), ""
 
@@ -185,6 +224,8 @@ def _role(record: Record, name: str, unit: str) -> str | None:
     if name in ("friction", "reibung"):  # a force or a coefficient, which the unit tells
         return {"n": "friction force", "-": "cof", "1": "cof"}.get(unit.lower())
     role = next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
+    if role in ("distance", "time"):
+        return COUNTS.get(unit.lower(), role)
     return "speed" if role == "rpm" and unit.lower() not in TURNS else role
 
 
@@ -193,7 +234,7 @@ def _factor(record: Record, role: str, name: str, unit: str) -> float:
     target = TARGETS.get(role)
     which = f"{record.path}: the {_spoken(role)} '{name}' has"
     if target is None:
-        if unit.lower() not in WITHOUT_UNIT:
+        if unit.lower() not in WITHOUT_UNIT | COUNTS.keys():
             raise InputError(f"{which} the unit {unit}, where a plain number is expected")
         return 1.0
     if unit.lower() in WITHOUT_UNIT:
@@ -209,6 +250,8 @@ def _converted(unit: str, target: str) -> float | None:
     """Return one of a unit in the target's, None where it is of another kind."""
     if target == "rpm":
         return TURNS.get(unit.lower())
+    if target == "N*mm":
+        unit = _TORQUE.sub(r"\1*\2", unit)
     unit = WEIGHTS.get(unit, unit) if target == "N" else LOCAL.get(unit.lower(), unit)
     try:
         return parse(f"1 {unit}", target)
@@ -229,13 +272,15 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
         )
     columns = {}
     for role, (index, unit_picked) in zip(PICKED[len(chosen)], chosen, strict=True):
-        name, unit = titles[index][0], titles[index][1] or unit_picked
+        name, unit = titles[index][0], unit_picked or titles[index][1]
         meant, named = role, _role(record, name, unit)
-        if role == "distance" and named == "cycle":
-            meant = "cycle"
+        if role == "distance" and named in ("laps", "cycle"):
+            meant = named
         elif role == "distance" and (named == "time" or _converted(unit, "s") is not None):
             meant = "time"
         title = record.names[index] if record.names else f"column {index + 1}"
+        if titles[index][1] not in ("", unit):
+            title += f", taken in {unit}"
         columns[meant] = Column(index, title, _factor(record, meant, title, unit))
     return columns
 
@@ -248,7 +293,7 @@ def _index(record: Record, titles: list[tuple[str, str]], pick: str) -> tuple[in
         if known.count(wanted) > 1:
             raise InputError(f"--columns: {known.count(wanted)} columns called '{pick}'; pick by number")
         if wanted and wanted in known:
-            return known.index(wanted), unit
+            return known.index(wanted), unit if known is not plain else ""
     if name.isdecimal() and 1 <= int(name) <= record.table.width:
         return int(name) - 1, unit
     return None

@@ -9,13 +9,16 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.motion import Motion, doubts, moving, sliding_distance
+from warpwear.measured.motion import Motion, doubts, moving, sliding_distance, with_friction
 from warpwear.measured.record import PLAIN
-from warpwear.measured.rows import Paths, RecordRows, read_rows
+from warpwear.measured.rows import UNLOADED, Paths, RecordRows, read_rows, without
+from warpwear.measured.tribometer import UNLOADED as HALF_LOAD
 from warpwear.measured.tribometer import alternates, averaged, from_forces, one_sign
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
 LARGEST_COF = 3.0
+#: No contact has less.
+LEAST_COF = 1e-9
 #: Share of negative coefficients beyond which their sign is taken to change with the direction.
 NEGATIVE_SHARE = 0.1
 #: Mean number of rows between turns of a distance that goes to and fro; with fewer, rows are out of order.
@@ -48,6 +51,7 @@ def read_experiment(path: Paths, *, columns: str | None = None, **motion: Any) -
 
 def experiment_of(rows: RecordRows, motion: Motion) -> Experiment:
     """Return the course of friction in the rows of a record, see `read_experiment`. Raises InputError."""
+    rows = with_friction(rows, motion)
     path, notes, steps = rows.path, [], rows.steps
     warnings = [*rows.warnings, *doubts(rows, motion.radius)]
     if _signed(rows):
@@ -72,6 +76,9 @@ def experiment_of(rows: RecordRows, motion: Motion) -> Experiment:
         except InputError:
             if not strokes:
                 raise
+    if not forces:
+        rows, left_out = _loaded(rows)
+        notes += left_out
     table = {role: values for role, values in rows.table.items() if role in taken}
     columns = {role: rows.chosen[role] for role in rows.chosen if role in taken}
     table, left_out, many = _without_gaps(path, {**table, "step": rows.step.astype(np.float64)})
@@ -86,6 +93,20 @@ def experiment_of(rows: RecordRows, motion: Motion) -> Experiment:
         notes.insert(0, f"Format: {rows.format}" + (f", {len(steps)} steps." if len(steps) > 1 else "."))
     notes += check_cof(path, course.distance, course.cof)
     return replace(course, notes=(*left_out, *notes), warnings=(*many, *warnings, *course.warnings))
+
+
+def _loaded(rows: RecordRows) -> tuple[RecordRows, list[str]]:
+    """Return the rows in which something presses, as far as a force tells, and a note on the others.
+
+    Where the ratio of the others is still noise, all with less than half of the median force are left out.
+    """
+    normal, cof = np.abs(rows.table.get("normal force", np.zeros(0))), np.abs(rows.table["cof"])
+    if not np.any(normal > 0.0):
+        return rows, []
+    light = normal < UNLOADED * np.nanmax(normal)
+    if np.any(cof[~light] > LARGEST_COF):
+        light = normal < HALF_LOAD * np.nanmedian(normal[~light])
+    return without(rows, light, "Rows without load")
 
 
 def _signed(rows: RecordRows) -> bool:
@@ -187,8 +208,10 @@ def check_cof(path: Path | str, distance: FloatArray, cof: FloatArray) -> list[s
             f"first is {cof[first]:.4g} at {distance[first]:.4g} mm), which no contact has{percent}; a plain "
             "ratio of forces under load is expected"
         )
-    if typical == 0.0:
-        raise InputError(f"{path}: the coefficient of friction is 0 in the middle: nothing was measured")
+    if abs(typical) < LEAST_COF:
+        raise InputError(
+            f"{path}: the coefficient of friction is {typical:.3g} in the middle: nothing was measured"
+        )
     if not negative.any():
         return []
     return [f"Coefficients of friction below zero, kept: {negative.sum()} of {negative.size}."]

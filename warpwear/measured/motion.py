@@ -9,7 +9,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, with_unit
-from warpwear.measured.rows import RecordRows
+from warpwear.measured.rows import RecordRows, without
 
 #: Of a track: a number in mm or text with its unit, one or one for each step, "6 mm, 9 mm".
 Radius: TypeAlias = float | str | Sequence[float | str]
@@ -62,12 +62,7 @@ def moving(rows: RecordRows) -> tuple[RecordRows, list[str]]:
     speed = next((np.abs(rows.table[role]) for role in ("speed", "rpm") if role in rows.table), None)
     if speed is None or not np.isfinite(speed).any():
         return rows, []
-    rest = speed < REST * np.nanmax(speed)
-    if not rest.any() or rest.all():
-        return rows, []
-    note = f"Rows at rest, left out: {rest.sum()} of {rest.size}."
-    table = {role: values[~rest] for role, values in rows.table.items()}
-    return replace(rows, table=table, step=rows.step[~rest]), [note]
+    return without(rows, speed < REST * np.nanmax(speed), "Rows at rest")
 
 
 def sliding_distance(rows: RecordRows, motion: Motion, *, what: str) -> tuple[FloatArray, str, str]:
@@ -85,12 +80,17 @@ def sliding_distance(rows: RecordRows, motion: Motion, *, what: str) -> tuple[Fl
         return distance, "distance", note
     if "laps" in table and track is not None:
         return _by_laps(table["laps"], track, rows)
-    rates = {"speed": 1.0, "rpm": None if track is None else 2.0 * np.pi * track / 60.0}
-    for role, factor in rates.items():
+    length = table.get("stroke") if stroke is None else stroke
+    rates = {
+        "speed": (1.0, ""),
+        "rpm": (None if track is None else 2.0 * np.pi * track / 60.0, ", times 2π radius"),
+        "frequency": (None if length is None else 2.0 * length, ", times two strokes"),
+    }
+    for role, (factor, way) in rates.items():
         if role in table and "time" in table and factor is not None:
-            way = "" if role == "speed" else ", times 2π radius"
-            along = _over_gaps(_integral, np.abs(table[role]) * factor, table["time"])
-            return along, role, f"Distance is the integral of the {role} over time{way}."
+            along = _over_gaps(_integral, np.abs(table[role] * factor), table["time"])
+            note = f"Distance is the integral of the {role} over time{way}."
+            return along, role, note + _falls(table["time"])
     if "cycle" in table and stroke is not None:
         note = f"Distance is cycle times two strokes of {stroke:g} mm."
         return 2.0 * stroke * table["cycle"], "cycle", note
@@ -119,6 +119,32 @@ def sliding_distance(rows: RecordRows, motion: Motion, *, what: str) -> tuple[Fl
             "is needed, such as --stroke '10 mm'"
         )
     raise InputError(f"{path} has a {what} but neither distance nor time: --columns 'DISTANCE,COF' names it")
+
+
+def _falls(time: FloatArray) -> str:
+    """Say where a time falls, and no distance is added."""
+    rows = np.flatnonzero(np.diff(time[np.isfinite(time)]) < 0.0) + 2
+    if not rows.size:
+        return ""
+    return f" The time falls back at {rows.size} rows, first at row {rows[0]}: no distance is added there."
+
+
+def with_friction(rows: RecordRows, motion: Motion) -> RecordRows:
+    """Return rows with the friction force [N] of a torque over the track's radius, where it alone is there.
+
+    Raises InputError where the radius is not known.
+    """
+    if "torque" not in rows.table or {"friction force", "cof"} & rows.table.keys():
+        return rows
+    radius, title = _radius(rows, motion.radius), rows.chosen["torque"].title
+    if radius is None:
+        raise InputError(
+            f"{rows.path} gives the torque '{title}' and no friction force: the radius of the track is "
+            "needed, such as --radius '6 mm'"
+        )
+    table = {**rows.table, "friction force": rows.table["torque"] / radius}
+    column = replace(rows.chosen["torque"], title=f"{title}, over the radius of the track")
+    return replace(rows, table=table, chosen={**rows.chosen, "friction force": column})
 
 
 def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[FloatArray, str]:

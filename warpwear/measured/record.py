@@ -7,16 +7,22 @@ what its columns are. A file without such words is a plain table, which `warpwea
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.study.units import is_known
+from warpwear.surfaces.container import check_archive
 from warpwear.surfaces.text import COMMENTS, MISSING, SEPARATORS, NoTable, Table, lines_of, split, table_of
+
+pandas = lazy.module("pandas")
 
 #: Lines at the start of a file among which a make's words are looked for.
 HEAD = 80
@@ -31,6 +37,12 @@ UNITS = frozenset(
 UNITS |= {"1/min", "kg", "gf", "kgf", "mm/sec", "m/sec", "µm", "micrometer", "deg", "rev", "degc", "mm/min"}
 #: Letters of a column's name; what is longer is no name, and would fill every sentence.
 LONGEST = 80
+#: A time of day or since the start, behind a date or without.
+_CLOCK = re.compile(
+    r"(?:\S.*?[T ,]\s*)?(\d{1,3}):(\d\d):(\d\d(?:[.,]\d*)?)\s*(?:([ap])\.?m\.?|Z|[+-]\d\d:?\d\d)?", re.I
+)
+#: A day [s]; a clock that falls by more than half of it has passed midnight.
+DAY = 86400.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +85,31 @@ class Record:
         Raises InputError for what is no number and for decimal commas beside points.
         """
         with _refusals(self.path):
-            return self.table.numbers(wanted)
+            clocks = {index: self._seconds(index) for index in wanted if self.is_clock(index)}
+            plain = [index for index in wanted if index not in clocks]
+            read = dict(zip(plain, self.table.numbers(plain).T, strict=True)) if plain else {}
+            return np.array([(clocks | read)[index] for index in wanted]).T
+
+    def is_clock(self, index: int) -> bool:
+        """Return whether a column holds times of day, with or without a date."""
+        return _CLOCK.fullmatch(split(self.table.rows[0], self.table.separator)[index]) is not None
+
+    def _seconds(self, index: int) -> FloatArray:
+        """Return the time since the first row [s] by a clock, over midnight. Raises ValueError."""
+        seconds = np.full(len(self.table.rows), np.nan)
+        for place, (row, line) in enumerate(zip(self.table.rows, self.table.lines, strict=True)):
+            text = split(row, self.table.separator)[index]
+            clock = _CLOCK.fullmatch(text)
+            if clock is None and not MISSING.fullmatch(text):
+                raise ValueError(f"line {line} holds '{text[:30]}', which is no time of day")
+            if clock is not None:
+                hour = int(clock[1]) if clock[4] is None else int(clock[1]) % 12 + 12 * (clock[4] in "pP")
+                seconds[place] = 3600.0 * hour + 60.0 * int(clock[2]) + float(clock[3].replace(",", "."))
+                with suppress(ValueError):  # a date that is none of ISO 8601: midnight counts it
+                    seconds[place] = datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()
+        known = np.isfinite(seconds)
+        seconds[known] += DAY * np.cumsum(np.diff(seconds[known], prepend=np.nan) < -0.5 * DAY)
+        return seconds - seconds[known][0]
 
 
 def read_record(path: Path) -> Record:
@@ -83,17 +119,52 @@ def read_record(path: Path) -> Record:
     A unit may also be a field of its own behind its name. Raises InputError for what is no table of text.
     """
     with _refusals(path):
-        lines = lines_of(path)
+        lines, said = _sheet(path) if path.suffix.lower() in (".xlsx", ".xlsm") else (lines_of(path), ())
+        if _is_cut(lines):
+            said = (*said, f"The last row, line {len(lines)}, is cut short and was left out.")
+            lines = [*lines[:-1], ""]
         head = "\n".join(lines[:HEAD])
         form = next((form for form in FORMATS if re.search(form.mark, head)), PLAIN)
         pieces = list(_pieces(lines, form)) if form.header else []
         if pieces:
-            record = _joined(path, form, pieces, ended=not lines[-1])
+            record = _joined(path, form, pieces)
         else:
             table = table_of(lines, words=True)
             record = Record(path, table, *_names_and_units(table), form)
     names = (name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in record.names)
-    return replace(record, names=tuple(names))
+    return replace(record, names=tuple(names), notes=(*said, *record.notes))
+
+
+def _sheet(path: Path) -> tuple[list[str], tuple[str, ...]]:
+    """Return the lines of the sheet of a workbook that has most rows, and a note where there are others.
+
+    Raises ValueError for what is no workbook, and InputError where a package is missing.
+    """
+    try:
+        check_archive(path)
+        sheets = pandas.read_excel(path, sheet_name=None, header=None, dtype=object, engine="openpyxl")
+    except ImportError as error:
+        raise InputError(f"{path} needs pandas and openpyxl: pip install 'warpwear[io]'") from error
+    except Exception as error:  # whatever openpyxl meets
+        raise ValueError(f"it is no workbook that can be read: {error}") from error
+    name = max(sheets, key=lambda name: len(sheets[name]))
+    rows = sheets[name].fillna("").to_numpy().tolist()
+    lines = ["\t".join(" ".join(str(cell).split()) for cell in row) for row in rows]
+    note = f"Sheet '{name}' of {len(sheets)}, the one with most rows."
+    return [*lines, ""], (note,) * (len(sheets) > 1)
+
+
+def _is_cut(lines: list[str]) -> bool:
+    """Return whether the last line has no end and less in it than the row before: the file was cut there.
+
+    A row has fewer fields then, or a last number of fewer digits.
+    """
+    if len(lines) < 4 or not lines[-1].strip():
+        return False
+    before, last = (re.split(r"[\s;,]+", line.rstrip(" ;,\t")) for line in lines[-2:])
+    if bool(_NUMERIC.match(lines[-2])) != bool(_NUMERIC.match(lines[-1])):
+        return False
+    return len(last) < len(before) or (len(last) == len(before) and len(last[-1]) < len(before[-1]))
 
 
 @contextmanager
@@ -105,7 +176,7 @@ def _refusals(path: Path) -> Iterator[None]:
         raise InputError(f"{path} cannot be read: {error.strerror}") from error
     except NoTable as error:
         raise InputError(
-            f"{path} {error}: a table of text such as .csv or .txt is expected, with numbers under a header"
+            f"{path} {error}: a table of text (.csv, .txt) or .xlsx is expected, with numbers under a header"
         ) from error
     except ValueError as error:
         raise InputError(f"{path}: {error}") from error
@@ -146,7 +217,7 @@ def _pieces(lines: list[str], form: RecordFormat) -> Iterator[_Piece]:
                 )
             piece.rows.append(line)
             piece.lines.append(number)
-        elif not piece.rows and all(not part or is_unit(part) for part in split(line, piece.separator)):
+        elif not piece.rows and _are_units(split(line, piece.separator)):
             piece.units = tuple(split(line, piece.separator))
         else:
             closed = True
@@ -154,7 +225,7 @@ def _pieces(lines: list[str], form: RecordFormat) -> Iterator[_Piece]:
         yield piece
 
 
-def _joined(path: Path, form: RecordFormat, pieces: list[_Piece], *, ended: bool) -> Record:
+def _joined(path: Path, form: RecordFormat, pieces: list[_Piece]) -> Record:
     """Lay the tables of one file together: those whose names are those of most rows."""
     rows_of: dict[tuple[str, ...], int] = {}
     for piece in pieces:
@@ -168,15 +239,11 @@ def _joined(path: Path, form: RecordFormat, pieces: list[_Piece], *, ended: bool
     numbers = [number for piece in chosen for number in piece.lines]
     steps = tuple(piece.step for piece in chosen for _ in piece.rows)
     width = rows[0].count(separator or "") + 1
-    last = rows[-1].count(separator or "") + 1
-    if not ended and len(rows) > 2 and last < width:
-        notes.append(f"The last row, line {numbers[-1]}, is cut short and was left out.")
-        rows, numbers, steps = rows[:-1], numbers[:-1], steps[:-1]
     for row, number in zip(rows, numbers, strict=True):
         if (count := row.count(separator or "") + 1) != width:
             raise ValueError(f"line {number} has {count} fields, line {numbers[0]} {width}: ragged rows")
     full = _fitting(names, rows, separator, width, numbers)
-    table = Table((), separator, width, rows, np.array(numbers, dtype=np.intp), ended=ended)
+    table = Table((), separator, width, rows, np.array(numbers, dtype=np.intp), ended=True)
     return Record(path, table, full, _padded(units, width), form, steps, tuple(notes))
 
 
@@ -212,7 +279,7 @@ def _names_and_units(table: Table) -> tuple[tuple[str, ...], tuple[str, ...]]:
         if fields is None or not any(fields):
             break
         rows.append(fields)
-    if len(rows) == 2 and all(not field or is_unit(field) for field in rows[0]):
+    if len(rows) == 2 and _are_units(rows[0]):
         return rows[1], rows[0]
     return (rows[0] if rows else ()), ()
 
@@ -240,6 +307,18 @@ def _with_units(fields: list[str], joint: str) -> list[str]:
     return joined
 
 
-def is_unit(text: str) -> bool:
-    """Return whether a field is a unit of a record and no name, such as mm, [s] or (-)."""
-    return text.strip("[]() ").replace("μ", "u").replace("µ", "u").lower() in UNITS
+def is_unit(text: str, *, rare: bool = False) -> bool:
+    """Return whether a field is a unit of a record and no name, such as mm, [s] or (-).
+
+    rare: whether all that pint knows are units, bar and Ohm, but also t and mu: for where a unit stands.
+    """
+    bare = text.strip("[]() ").replace("μ", "u").replace("µ", "u")
+    return bare.lower() in UNITS or (rare and is_known(bare))
+
+
+def _are_units(fields: Sequence[str]) -> bool:
+    """Return whether the fields of a row are units, all of them or most, the others rare ones."""
+    filled = [field for field in fields if field]
+    usual = sum(is_unit(field) or field[0] + field[-1] in ("[]", "()") for field in filled)
+    units = usual + sum(is_unit(field, rare=True) and not is_unit(field) for field in filled) * (usual > 1)
+    return usual == len(filled) or (usual > 1 and 2 * units > len(filled))

@@ -11,7 +11,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.columns import Column, choose, further
+from warpwear.measured.columns import OTHER_RATIO, Column, choose, further, other_coefficients
 from warpwear.measured.record import Record, read_record
 from warpwear.study.units import several
 
@@ -21,10 +21,14 @@ Mask: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"
 Paths: TypeAlias = str | Path | Sequence[str | Path]
 #: Roles that go on where a machine begins to count anew at a step.
 COUNTED = ("time", "distance", "laps", "cycle")
-#: Relative difference of a coefficient from the ratio of the forces beside it that is told.
-OTHER_RATIO = 0.05
 #: Part of the largest normal force below which there is no load, and rows that make a sensor's end or offset.
 UNLOADED, FEW_ROWS = 0.02, 5
+#: Part of the rows at the largest or least value, and how often that beside it: the end of a sensor's range.
+AT_END, TIMES_NEXT = 0.01, 3.0
+#: Part of the rows between these values that may repeat the row before: more is what a sensor resolves.
+COARSE = 0.1
+#: Part of the rows at one value that is told, of so many rows or more.
+ONE_VALUE, FEWEST = 0.5, 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +54,15 @@ class RecordRows:
         table = {role: values[inside] for role, values in self.table.items()}
         step = np.zeros(np.count_nonzero(inside), dtype=np.intp)
         return replace(self, table=table, step=step, steps=(self.steps[number],))
+
+
+def without(rows: RecordRows, some: Mask, what: str) -> tuple[RecordRows, list[str]]:
+    """Return rows without some, shape (rows,), and a note on these; all where there is no other."""
+    if not some.any() or some.all():
+        return rows, []
+    table = {role: values[~some] for role, values in rows.table.items()}
+    note = f"{what}, left out: {some.sum()} of {some.size}."
+    return replace(rows, table=table, step=rows.step[~some]), [note]
 
 
 def files_of(paths: Paths) -> list[Path]:
@@ -118,7 +131,10 @@ def _rows_of(path: Path, columns: str | None) -> RecordRows:
     if "load" in table and "normal force" not in table:  # what was set, where nothing was measured
         table["normal force"], chosen["normal force"] = table.pop("load"), chosen.pop("load")
     rows = RecordRows(path, record.format.name, table, chosen, step, names, record.notes)
-    return _continued(replace(rows, warnings=(*_contradictions(rows), *_sensors(rows))))
+    warnings = [*_contradictions(rows), *_sensors(rows)]
+    if columns is None and "cof" in chosen:
+        warnings += other_coefficients(record, chosen["cof"])
+    return _continued(replace(rows, warnings=tuple(warnings)))
 
 
 def _steps(record: Record, numbered: Column | None) -> tuple[Indices, tuple[str, ...], Mask]:
@@ -187,23 +203,29 @@ def without_offset(rows: RecordRows) -> RecordRows:
     table["friction force"] = table["friction force"] - offset
     table.pop("cof", None)
     note = f"The friction without load, {offset:.3g} N, was taken off."
-    return replace(rows, table=table, notes=(*rows.notes, note), warnings=())
+    rows = replace(rows, table=table, notes=(*rows.notes, note))
+    return replace(rows, warnings=tuple(_sensors(rows)))
 
 
 def _sensors(rows: RecordRows) -> Iterator[str]:
-    """Say where a sensor is at the end of its range, and where it shows friction without load."""
-    for role in sorted({"cof", "friction force"} & rows.table.keys()):
-        values = rows.table[role][np.isfinite(rows.table[role])]
-        for end, which in (
-            ((values.max(), "largest"), (values.min(), "least")) if np.any(values != values[:1]) else ()
-        ):
-            held = np.flatnonzero(np.diff(values == end, prepend=False, append=False)).reshape(-1, 2)
-            longest, alike = int(np.diff(held, axis=1).max()), np.count_nonzero(np.diff(values) == 0.0)
-            if end and longest >= FEW_ROWS and alike - np.diff(held, axis=1).sum() < 0.1 * values.size:
-                where = f"stays at {end:.4g}, its {which} value, for {longest} rows"
-                yield f"Warning: '{rows.chosen[role].title}' {where}: the end of a sensor's range?"
+    """Say where a sensor is at the end of its range, or shows one value, or friction without load."""
+    for role in sorted({"cof", "friction force", "torque", "normal force"} & rows.table.keys()):
+        title, values = rows.chosen[role].title, rows.table[role][np.isfinite(rows.table[role])]
+        levels, counts = np.unique(values, return_counts=True)
+        inside = (values[1:] > levels[:1]) & (values[1:] < levels[-1:])
+        fine = inside.any() and np.mean(np.diff(values)[inside] == 0.0) < COARSE
+        beside = np.maximum(np.append(0, counts[:-1]), np.append(counts[1:], 0))
+        rim = np.isin(np.arange(levels.size), (0, levels.size - 1))
+        ends = rim & fine & (counts >= max(FEW_ROWS, AT_END * values.size))
+        often = (counts > ONE_VALUE * values.size) & (values.size >= FEWEST) & (role != "normal force")
+        for at in np.flatnonzero((counts >= TIMES_NEXT * beside) & (ends | often) & (levels != 0.0)):
+            which = {0: "its least", levels.size - 1: "its largest"}.get(int(at), "one")
+            where = f"{levels[at]:.4g}, {which} value, in {counts[at]} of {values.size} rows"
+            bound = f"no error counts that, and a mean is {'a lower' if at else 'an upper'} bound"
+            yield f"Warning: '{title}' is exactly {where}: end of the range, or set? If so, {bound}."
     if offset := offset_of(rows):
-        share = abs(offset) / float(np.nanmedian(np.abs(rows.table["normal force"])))
+        load = np.abs(rows.table["normal force"])
+        share = abs(offset) / float(np.nanmedian(load[load >= UNLOADED * np.nanmax(load)]))
         told = f"Warning: friction without load is {offset:.3g} N, {share:.2g} of the load"
         yield f"{told}: --zero takes it off."
 

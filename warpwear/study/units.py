@@ -2,6 +2,7 @@
 
 import math
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from numbers import Real
@@ -22,6 +23,7 @@ EXAMPLES = {
     "mm^2": "an area such as '1.254 mm^2'",
     "mm^3": "a volume such as '0.018 mm^3'",
     "N": "a force such as '8 N'",
+    "N*mm": "a torque such as '30 N*mm'",
     "MPa": "a pressure such as '590 MPa'",
     "N/mm^3": "a foundation stiffness such as '2e5 N/mm^3'",
     "mm/s": "a speed such as '20 mm/min' (of revolutions: sliding.frequency = '60 rpm')",
@@ -71,6 +73,13 @@ HARDNESS_UNIT = 9.80665
 @cache
 def _registry() -> Any:
     return pint.UnitRegistry()
+
+
+def is_known(unit: str) -> bool:
+    """Return whether text is the name of a unit, of whatever kind."""
+    with suppress(Exception):  # whatever pint's parser meets
+        return len(unit) < 16 and any(spelt in _registry() for spelt in (unit, unit.lower()))
+    return False
 
 
 def parse(value: Any, unit: str) -> float:

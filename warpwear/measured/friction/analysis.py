@@ -13,11 +13,11 @@ from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
 from warpwear.measured.friction.states import SPAN, StatesFit, fit_states, part_of
 from warpwear.measured.motion import Motion, sliding_distance, spans
-from warpwear.measured.rows import RecordRows
+from warpwear.measured.rows import UNLOADED, RecordRows
 from warpwear.measured.tribometer import alternates, turning_points
 
-#: A step with less than this part of the rows is told, and not analysed.
-SHORT = 0.02
+#: A step with less than this part of the rows, or of an equal share of them, is told, and not analysed.
+SHORT, SHORT_OF_EQUAL = 0.02, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +70,10 @@ def analyse(rows: RecordRows, motion: Motion) -> Analysis:
     if len(rows.steps) == 1 or alternates(rows):
         return Analysis(rows, (_step("", rows, motion, 0.0),), tuple(_loops(rows)), ())
     steps: list[RecordStep] = []
-    left_out, failed = [], None
+    left_out, failed, least = [], None, min(SHORT, SHORT_OF_EQUAL / len(rows.steps)) * rows.step.size
     for number, name in enumerate(rows.steps):
         part, radius = rows.of_step(number), motion.radius
-        if part.step.size < SHORT * rows.step.size:
+        if part.step.size < least:
             left_out.append(f"'{name}', {part.step.size} rows")
             continue
         if isinstance(radius, Sequence) and len(radius) == len(rows.steps):
@@ -86,8 +86,7 @@ def analyse(rows: RecordRows, motion: Motion) -> Analysis:
             left_out.append(f"'{name}', {str(error).partition(': ')[2] or error}")
     if not steps:
         experiment_of(rows, motion)  # what is wrong with all of them is said of the whole
-        few = f"{rows.path} has no step with {SHORT:.0%} of its rows: longer ones are expected"
-        raise failed or InputError(few)
+        raise failed or InputError(f"{rows.path} has no step of {least:.0f} rows: longer ones are expected")
     return Analysis(rows, tuple(steps), tuple(_loops(rows)), tuple(left_out))
 
 
@@ -98,7 +97,8 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     normal = rows.table.get("normal force")
     load = motion.load
     if normal is not None and np.isfinite(normal).any():
-        load = float(np.nanmedian(np.abs(normal)))
+        pressing = np.abs(normal)
+        load = float(np.nanmedian(pressing[pressing >= UNLOADED * np.nanmax(pressing)]))
     by_cycles = course.cycles is not None  # each stands for itself, those without load for nothing
     work = laps.cof.sum() * laps.length if by_cycles else np.trapezoid(course.cof, course.distance)
     energy = None if load is None else 1e-3 * load * float(work)
@@ -114,7 +114,10 @@ def _others(rows: RecordRows, motion: Motion, laps: LapMeans) -> dict[str, Float
     names = [name for name in rows.table if name.endswith("]")]
     if not names or alternates(rows):
         return {}
-    distance = sliding_distance(rows, motion, what="column")[0]
+    try:
+        distance = sliding_distance(rows, motion, what="column")[0]
+    except InputError:  # of a position alone
+        return {}
     starts = laps.distance - 0.5 * laps.length
     group = np.searchsorted(starts, distance, side="right") - 1
     inside = np.isfinite(distance) & (group >= 0) & (distance - starts[group] <= laps.length)

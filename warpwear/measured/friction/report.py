@@ -10,7 +10,7 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
-from warpwear.measured.friction.events import LEAST, PENALTY, Steady, line_with_error
+from warpwear.measured.friction.events import FEWEST, LEAST, PENALTY, Steady, line_with_error
 from warpwear.measured.friction.states import states_rows, states_text
 from warpwear.results.report import Row
 from warpwear.results.report import record as record_of
@@ -104,8 +104,10 @@ def step_rows(step: RecordStep) -> list[Row]:
             f"within a {laps.unit}", "scatter", float(np.median(scatter)) if scatter.size else None, digits=2
         ),
     ]
+    seen = laps.cof.size >= FEWEST
     if events.jump is None:
-        rows.append(Row("jump", "", "none: no rise by a fifth within a fifth of the course"))
+        none = "none: no rise by a fifth within a fifth of the course"
+        rows.append(Row("jump", "", none if seen else f"not known: {FEWEST} means or more tell"))
     else:
         jump = events.jump
         levels = f"from {jump.low:.3g} to {jump.high:.3g}"
@@ -131,7 +133,7 @@ def step_rows(step: RecordStep) -> list[Row]:
             "",
             f"{changes} m" + (f" and {more} more" if more > 0 else "") if changes else None,
         ),
-        Row("", "level_changes_mm", list(events.changes)),
+        Row("", "level_changes_mm", list(events.changes) if seen else None),
         Row("energy", "energy_J", step.energy, digits=3, note="dissipated"),
     ]
 
