@@ -235,7 +235,7 @@ def aim(shear: Shear):
         cz = lines[8] - wp.dot(descent, wp.vec2d(lines[12], lines[13]))
         gd = lines[9] - wp.dot(last, of_gradient)
         n.memory = ZERO
-        if n.hits == 0 and n.last > ZERO:
+        if n.last > ZERO:
             n.memory = wp.max(ZERO, cz / n.last)
         if gz + n.memory * gd <= ZERO:
             n.memory = ZERO

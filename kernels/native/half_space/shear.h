@@ -206,8 +206,13 @@ template <typename Shear> WARPWEAR_FN void shear_descends(int slot, int slots, S
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
         const Mask tied = row.is_tied(i);
         const Lanes square = row.weight(i, strength);
-        const Pair z = row.along(i, root_of(square) * row.trial[i]);
-        const Pair d = row.along(i, row.way[i]), g = row.gradient[i], change = row.change[i];
+        const Pair g = row.gradient[i], change = row.change[i];
+        const Pair made = row.along(i, root_of(square) * row.trial[i]);
+        // A cell that is to leave its circle, and that its neighbours' part of the preconditioner holds on
+        // it, would stay for ever: it follows its own slip, by the preconditioner's diagonal.
+        const Mask held = ~tied & row.on_circle(i) & (dot(made, row.traction[i]) >= Lanes(0.0));
+        const Pair z = only(~held, made) + only(held, strength * g);
+        const Pair d = only(~held, row.along(i, row.way[i]));
         row.trial.put(i, z);
         row.way.put(i, d);
         ways.add(row, i, square, tied);

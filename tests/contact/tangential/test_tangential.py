@@ -169,3 +169,26 @@ def test_loads_may_change_between_increments() -> None:
         previous = sheared
     assert previous is not None
     assert previous.force[0] == pytest.approx(0.5 * ALL)
+
+
+@pytest.mark.parametrize(
+    ("cells", "most"), [(512, 45), pytest.param(2048, 150, marks=pytest.mark.slow)], ids=str
+)
+def test_a_large_rough_surface_is_solved_in_few_iterations(device: str, cells: int, most: int) -> None:
+    """Cells that are to leave their circles do, however many others come to theirs in a step."""
+    rng = np.random.default_rng(2)
+    along, across = np.fft.fftfreq(cells, 1.0 / cells), np.fft.rfftfreq(cells, 1.0 / cells)
+    waves = np.hypot(along[:, np.newaxis], across)
+    inside = (waves > 0.0) & (waves <= cells / 16)
+    sizes = np.where(inside, np.maximum(waves, 2.0), np.inf) ** -1.8
+    heights = np.fft.irfft2(sizes * np.exp(2j * np.pi * rng.random(waves.shape)), s=(cells, cells))
+    heights *= 0.1 / np.sqrt(np.square(np.gradient(heights)).sum(axis=0).mean())
+    contact = solve_contact(
+        heights, cell=1.0, load=0.01 * cells**2, modulus=1.0, boundary="periodic", device=device
+    )
+    push = 0.58 * 0.5 * contact.load
+    sheared = solve_tangential(
+        contact, friction=0.5, poisson=0.3, force=(0.8 * push, 0.6 * push), device=device
+    )
+    assert sheared.certificate.violation <= 1e-6
+    assert sheared.iterations <= most
