@@ -23,6 +23,16 @@ def together(*options: Option) -> Option:
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
+#: What was measured in tests beside their records, by the keys of [[test]].
+IN_TESTS = {
+    "profile": repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
+    "ball": repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
+    "scar": repeated("--scar", "D", "Diameter of a test's scar on the ball, e.g. '0.80 +- 0.02 mm'."),
+    "section": repeated("--section", "A", "Cross-section of a test's groove, e.g. '812 +- 30 um^2'."),
+    "volume_counter": repeated("--volume-counter", "V", "Worn volume of a test's ball, e.g. '0.01 mm^3'."),
+    "volume_disc": repeated("--volume-disc", "V", "Worn volume of a test's disc."),
+}
+WITH_TESTS = together(*IN_TESTS.values())
 FOLDER = click.argument("folder", metavar="DIR", type=PATH)
 DETAILS = click.option("--details", is_flag=True, help="Print all lines, not the ten that say most.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import LEAST, PENALTY, Steady, line_with_error
 from warpwear.measured.friction.states import states_rows, states_text
-from warpwear.results.report import Row
+from warpwear.results.report import Row, aligned, shown
 from warpwear.results.report import record as record_of
 
 #: Fewer independent means, or a last level of a smaller part of the course, make a steady value doubtful.
@@ -40,7 +41,9 @@ def rows_of(analysis: Analysis) -> list[Row]:
     if len(analysis.steps) == 1:
         body = step_rows(analysis.steps[0])
     else:
-        body = []
+        heads, *texts = aligned(_table_of_steps(analysis.steps))
+        body = [Row("steps", "", heads)]
+        body += [Row(f"  {step.name}", "", text) for step, text in zip(analysis.steps, texts, strict=True)]
         for step in analysis.steps:
             body += [Row(f"step {step.name}", "", ""), *labelled(step_rows(step))]
         body.append(Row("", "steps", [record_of(step_rows(step)) for step in analysis.steps]))
@@ -50,6 +53,22 @@ def rows_of(analysis: Analysis) -> list[Row]:
     if loops:
         loops.append(Row("", "loops_mJ", {str(loop.cycle): loop.energy for loop in analysis.loops}))
     return [*head, *body, *loops, *notes_of(analysis)]
+
+
+def _table_of_steps(steps: Sequence[RecordStep]) -> list[list[str]]:
+    """Write what each step comes to, a row a step."""
+    names = [*dict.fromkeys(name for step in steps for name in step.others)]
+    cells = [["load, N", "distance, m", "steady value", "jump at, m", "energy, J"]]
+    cells[0] += [name.replace(" [", ", ").replace("]", "/m") for name in names]
+    for step in steps:
+        steady, jump = step.events.steady, step.events.jump
+        level = Row("", "", steady and steady.value, error=steady and steady.error)
+        told = [name in step.others and _other_rows(name, step.others[name], step) for name in names]
+        rates = [rows[0].value[1].number if rows else "–" for rows in told]
+        numbers = [step.load, 1e-3 * step.slid, jump and 1e-3 * jump.start, step.energy]
+        load, length, start, energy = (shown(number) for number in numbers)
+        cells.append([load, length, level.number, start, energy, *rates])
+    return cells
 
 
 def labelled(rows: list[Row]) -> list[Row]:
