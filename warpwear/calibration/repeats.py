@@ -28,7 +28,7 @@ from warpwear.measured.friction.analysis import RecordStep, analyse
 from warpwear.measured.friction.events import events_of, laps_of
 from warpwear.measured.friction.report import notes_of
 from warpwear.measured.motion import Motion
-from warpwear.measured.options import flag, optional, quantity
+from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import Report
 from warpwear.measured.rows import read_rows
 from warpwear.page.folder import WrittenAsFolder, write_report
@@ -222,8 +222,9 @@ def repeats(
         raise InputError(f"--at {unknown[0]} is not allowed; allowed: {', '.join(CONDITIONS)}")
     to_be = {name: quantity(f"--at {name}", value, CONDITIONS[name]) for name, value in (at or {}).items()}
     alike = {"track_radius": radius, "stroke": stroke, "speed": speed}
-    given = {name: value for name, value in alike.items() if value is not None}
-    how = _HowToRead(columns, preparation or {}, optional("--load", load, "N"))
+    units = {"speed": "mm/s"}
+    given = {name: with_unit(v, units.get(name, "mm")) for name, v in alike.items() if v is not None}
+    how = {"columns": columns, "preparation": preparation or {}, "load": optional("--load", load, "N")}
     read = partial(_read, given=given, how=how)
     taken = read(tests)
     found = _numbers_of(taken, to_be)
@@ -238,22 +239,14 @@ def repeats(
     return RepeatedTests(tests=taken, found=found, than=other, wanted=wanted)
 
 
-def in_order(
-    records: Sequence[Any], alike: Mapping[str, Any], **measured: Sequence[Any]
-) -> list[dict[str, Any]]:
-    """Make tests of records and of what was measured beside them, each kind in the order of the tests.
+def in_order(alike: dict[str, Any], **measured: Sequence[Any]) -> list[dict[str, Any]]:
+    """Make tests of what was measured in them, each kind in their order; the last may lack some.
 
-    alike: what all have, None for nothing. Raises InputError.
+    alike: what all have, None for nothing.
     """
-    kinds = {key: values for key, values in {"record": records, **measured}.items() if values}
-    counts = {key: len(values) for key, values in kinds.items()}
-    first = next(iter(counts), "")
-    for key, count in counts.items():
-        if count != counts[first]:
-            have = f"{first} has {counts[first]}"
-            raise InputError(f"{flag(key)} is given {count} times and {have}: one a test, in their order")
-    known = {key: value for key, value in alike.items() if value is not None}
-    return [known | dict(zip(kinds, each, strict=True)) for each in zip(*kinds.values(), strict=True)]
+    rows = itertools.zip_longest(*measured.values())
+    tests = [alike | dict(zip(measured, row, strict=True)) for row in rows]
+    return [{key: value for key, value in test.items() if value is not None} for test in tests]
 
 
 def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[str, RepeatedNumber]:
@@ -291,16 +284,7 @@ def _kinds(tests: Iterable[PairTest]) -> list[str]:
     return sorted(kinds, key=lambda kind: [*ASKED].index(kind.partition(" at ")[0]))
 
 
-@dataclass(frozen=True)
-class _HowToRead:
-    """Records and measured surfaces are read so. load: where a record has none [N]."""
-
-    columns: str | None
-    preparation: Mapping[str, Any]
-    load: float | None
-
-
-def _read(tests: Any, *, given: Mapping[str, Any], how: _HowToRead) -> tuple[PairTest, ...]:
+def _read(tests: Any, *, given: Mapping[str, Any], how: Mapping[str, Any]) -> tuple[PairTest, ...]:
     """Read tests; entries of one name are places of one. Raises InputError."""
     entries: dict[str, list[PairTest]] = {}
     for item in [tests] if isinstance(tests, str | Path | Mapping) else tests:
@@ -315,44 +299,44 @@ def _read(tests: Any, *, given: Mapping[str, Any], how: _HowToRead) -> tuple[Pai
     return tuple(_together(name, places) for name, places in entries.items())
 
 
-def _places(test: MeasuredTest, name: str, named: str, how: _HowToRead) -> list[PairTest]:
+def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -> list[PairTest]:
     """Read what was measured in one entry: the whole with what is worn, and a place for each step."""
     steps, notes = _steps(test, how)
     sizes = {key: getattr(test, key) for key in (*CONDITIONS, "distance", "length")}
     known = {key: size.value if isinstance(size, Value) else size for key, size in sizes.items() if size}
     places = [_of_step(step, name, known) for step in steps]
-    whole = {"load": how.load} if how.load else {}
+    whole = {"load": how["load"] or math.nan}
     if steps:
-        work = [step.load and step.load * step.slid for step in steps]
         slid = sum(step.slid for step in steps)
-        load = {} if None in work else {"load": sum(filter(None, work)) / slid}
-        whole = {**places[0].conditions, "load": math.nan, "distance": slid} | load
+        work = sum((step.load or math.nan) * step.slid for step in steps)
+        whole = {**places[0].conditions, "load": work / slid, "distance": slid}
     if test.track_radius:
         whole["length"] = 2.0 * math.pi * test.track_radius
     whole |= known
-    if test.length is None and "length" in whole:
-        test = test.model_copy(update={"length": whole["length"]})
+    test = test.model_copy(update={"length": whole.get("length")})
     values = {}
     if test.friction and test.friction.at:
         raise InputError(f"{named}.friction is at a distance: allowed is that of the whole test")
     if test.friction is not None and not any("level" in place.values for place in places):
         values["level"] = test.friction
-    work = [getattr(test, key) or Value(whole.get(key, math.nan)) for key in ("load", "distance")]
+    both = [getattr(test, key) or Value(whole.get(key, math.nan)) for key in ("load", "distance")]
     for source in sources_of(test):
         kind = "_".join(filter(None, ("k", SOURCES[source].worn)))
         if kind in values:
             raise InputError(f"{named}.{source} is of a body whose wear is given already: give one of both")
-        if not all(each.value > 0.0 for each in work):
+        if not all(each.value > 0.0 for each in both):
             raise InputError(f"{named}.{source} needs a load and a distance: K is V/(F L)")
-        worn = worn_volume(test, source, named, preparation=how.preparation if SOURCES[source].file else {})
-        k = 1e3 * worn.volume / (work[0].value * work[1].value)
-        parts = [(each.error or 0.0) / each.value for each in work]
+        worn = worn_volume(
+            test, source, named, preparation=how["preparation"] if SOURCES[source].file else {}
+        )
+        k = 1e3 * worn.volume / (both[0].value * both[1].value)
+        parts = [(each.error or 0.0) / each.value for each in both]
         error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
         values[kind] = Value(k, error)
     return [PairTest(name, whole, values, notes=notes, steps=steps), *places]
 
 
-def _steps(test: MeasuredTest, how: _HowToRead) -> tuple[tuple[RecordStep, ...], tuple[str, ...]]:
+def _steps(test: MeasuredTest, how: Mapping[str, Any]) -> tuple[tuple[RecordStep, ...], tuple[str, ...]]:
     """Analyse the record of a test, and say what is doubtful in it. Raises InputError."""
     if isinstance(test.record, Experiment):
         laps = laps_of(test.record, None)
@@ -360,8 +344,8 @@ def _steps(test: MeasuredTest, how: _HowToRead) -> tuple[tuple[RecordStep, ...],
     if test.record is None:
         return (), ()
     sizes = {name: size.value for name in ("stroke", "speed", "load") if (size := getattr(test, name))}
-    motion = Motion(radius=test.track_radius, **({"load": how.load} | sizes))
-    analysis = analyse(read_rows(test.record, how.columns), motion)
+    motion = Motion(radius=test.track_radius, **({"load": how["load"]} | sizes))
+    analysis = analyse(read_rows(test.record, how["columns"]), motion)
     return analysis.steps, tuple(notes_of(analysis)[0].value)
 
 

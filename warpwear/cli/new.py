@@ -1,12 +1,13 @@
 """The command `warpwear new`: a commented study of one rig, ready to run."""
 
 import shlex
+import warnings
 from pathlib import Path
 from typing import Any
 
 import click
 
-from warpwear.cli.options import IN_TESTS, PATH, WITH_TESTS
+from warpwear.cli.options import IN_TESTS, PATH, WITH_TESTS, repeated
 from warpwear.cli.places import drafts, repeated_tests
 from warpwear.cli.study import CHANGES, parsed_changes
 from warpwear.cli.surface import prepared, with_preparation
@@ -19,15 +20,7 @@ KINDS = ("reciprocating", "rotating", "fretting", "pin", "block-on-ring")
 @click.argument("file", type=PATH)
 @click.option("--like", type=click.Choice(KINDS), default="reciprocating", show_default=True, help="The rig.")
 @click.option("--surface", type=PATH, help="Measured surface of the disc or flat; made-up without one.")
-@click.option(
-    "--record",
-    "--repeat",
-    "records",
-    metavar="FILE",
-    type=PATH,
-    multiple=True,
-    help="A tribometer's record of a test, and of each repeat of it.",
-)
+@repeated("--record", "FILE", "A tribometer's record of a test.", "--repeat", "records", type=PATH)
 @WITH_TESTS
 @click.option("--tests", type=PATH, help="A TOML file with tables [[test]] instead, and maybe keys.")
 @click.option("--columns", metavar="NAMES", help="Which columns of the records to take.")
@@ -60,11 +53,13 @@ def new(file: Path, changes: tuple[str, ...], **options: Any) -> None:
     if records or any(measured.values()):
         if tests is not None:
             raise InputError("--tests and --record exclude each other: the file lists the records")
-        tests = repeated_tests.in_order(records, {}, **measured)
+        tests = repeated_tests.in_order({}, record=records, **measured)
     options |= {"preparation": prepared(options), "changes": parsed_changes(changes), "tests": tests}
-    study, told = drafts.write_draft(file, **options)
+    with warnings.catch_warnings(record=True, action="always") as doubts:
+        study = drafts.new_study(file, **options)
     place, name = shlex.quote(str(file)), shlex.quote(study.study.name)
-    click.echo("\n  ".join([f"{file}: {drafts.outlook(study)}", *told]))
+    told = [study.study.description, *(f"warning: {doubt.message}" for doubt in doubts)]
+    click.echo("\n  ".join([f"{file}: {drafts.outlook(study)}", *filter(None, told)]))
     if tests is None:
         click.echo(f"put in your numbers, then: warpwear run {place} --dry-run, and without it")
     else:

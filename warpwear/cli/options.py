@@ -23,17 +23,25 @@ def together(*options: Option) -> Option:
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
-#: What was measured in tests beside their records, by the keys of [[test]].
-IN_TESTS = {
-    "profile": repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
-    "ball": repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
-    "scar": repeated("--scar", "D", "Diameter of a test's scar on the ball, e.g. '0.80 +- 0.02 mm'."),
-    "section": repeated("--section", "A", "Cross-section of a test's groove, e.g. '812 +- 30 um^2'."),
-    "volume_counter": repeated("--volume-counter", "V", "Worn volume of a test's ball, e.g. '0.01 mm^3'."),
-    "volume_disc": repeated("--volume-disc", "V", "Worn volume of a test's disc."),
+#: Option of a measured value -> its name in a test, and its help.
+MEASURED = {
+    "--volume-counter": ("volume_counter", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
+    "--volume-disc": ("volume_disc", "Worn volume of the disc."),
+    "--section": ("section", "Mean cross-section of the groove, e.g. '812 +- 30 um^2'."),
+    "--scar": ("scar", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
+    "--sq-counter": ("sq_counter", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
+    "--sq-disc": ("sq_disc", "Sq in the scar of the disc."),
+    "--cof": ("friction", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
 }
-WITH_TESTS = together(*IN_TESTS.values())
-FOLDER = click.argument("folder", metavar="DIR", type=PATH)
+WITH_MEASURED = together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
+#: What was measured in tests beside their records, by the keys of [[test]], in the order of the tests.
+IN_TESTS = ("profile", "ball", "volume_counter", "volume_disc", "section", "scar")
+WITH_TESTS = together(
+    repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
+    repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
+    *(repeated(o, "X+-U", text, name) for o, (name, text) in MEASURED.items() if name in IN_TESTS),
+)
+FOLDER = FOLDER = click.argument("folder", metavar="DIR", type=PATH)
 DETAILS = click.option("--details", is_flag=True, help="Print all lines, not the ten that say most.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")

@@ -46,7 +46,7 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
     sizes = {key: options.pop(key) for key in ("length", "distance")}
     sizes["radius"] = options.pop("ball_radius")
     if any(measured.values()) or any(sizes.values()):
-        tests = repeated_tests.in_order(files, sizes, **measured)
+        tests = repeated_tests.in_order(sizes, record=files, **measured)
     preparation, as_json = prepared(options), options.pop("as_json")
     how = {"file_format": options.pop("file_format"), "overwrite": options.pop("overwrite")}
     out = options.pop("out")

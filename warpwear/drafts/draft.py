@@ -15,11 +15,11 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Item, Table
 
-from warpwear.drafts.from_tests import FromTests, from_tests, unknown
+from warpwear import lazy
 from warpwear.errors import InputError, StudyWarning, escaped, explained, named_in_python, unescaped
 from warpwear.laws.elastic import asperities
 from warpwear.runs.plan import contacts_of
-from warpwear.study.keys import value_of
+from warpwear.study.keys import dotted, value_of
 from warpwear.study.loading import change
 from warpwear.study.rules_track import summits, widths_with
 from warpwear.study.study import Study
@@ -27,6 +27,9 @@ from warpwear.study.surface import surface_of
 from warpwear.study.units import parse
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
+
+filling = lazy.module("warpwear.drafts.from_tests")
+measurements = lazy.module("warpwear.calibration.measurements")
 
 #: Extent of the domain over the width of the contact that smooth bodies are expected to have.
 MARGIN = 1.3
@@ -99,24 +102,6 @@ def new_study(
     >>> study.study.name, study.contact.load
     ('my-test', 5.0)
     """
-    how: Any = {"columns": columns, "preparation": preparation, "overwrite": overwrite}
-    study, told = write_draft(path, like=like, surface=surface, changes=changes, tests=tests, **how)
-    for warning in told[1:]:
-        warnings.warn(warning, StudyWarning, stacklevel=2)
-    return study
-
-
-def write_draft(
-    path: str | Path | None,
-    *,
-    like: str,
-    surface: str | Path | None,
-    changes: Mapping[str, Any] | None,
-    tests: Any,
-    overwrite: bool,
-    **how: Any,
-) -> tuple[Study, tuple[str, ...]]:
-    """Make a study as `new_study` does; and say what the tests come to, and what is doubtful in them."""
     if like not in RIGS:
         raise InputError(f"--like is {like!r}: allowed is {', '.join(RIGS)}")
     file = Path(f"{like}.toml" if path is None else path)
@@ -126,16 +111,25 @@ def write_draft(
         raise InputError(f"{file} is no file that can be replaced; give another name.")
     if path is not None and file.exists() and not overwrite:
         raise InputError(f"{file} is there already; --overwrite replaces it.")
-    place = None if surface is None else Path(surface)
-    filled = None if tests is None else from_tests(tests, like, changes or {}, **how)
-    text = draft(like, name=file.stem, folder=file.parent, surface=place, changes=changes, filled=filled)
+    of_file: Any = {"name": file.stem, "folder": file.parent, "surface": surface and Path(surface)}
+    given, origins = dict(changes or {}), None
+    if tests is not None:
+        origins = dict.fromkeys(given, "given")
+        if isinstance(tests, str | Path):
+            sections, tests = measurements.in_file(tests)
+            own = dotted({name: keys for name, keys in sections.items() if name not in ("infer", "sweep")})
+            origins, given = dict.fromkeys(own, "given beside the tests") | origins, own | given
+        example, how = Study.stored(draft(like, **of_file, changes=given)), (columns, preparation)
+        filled, origins, doubts = filling.from_tests(tests, like, example, origins, *how)
+        given = filled | given
+        for doubt in doubts:
+            warnings.warn(doubt, StudyWarning, stacklevel=2)
+    text = draft(like, **of_file, changes=given, origins=origins)
     if path is None:
-        study = Study.stored(text)
-    else:
-        with explained(f"{file} cannot be written"):
-            file.write_text(text, encoding="utf-8")
-        study = Study.load(file)
-    return study, () if filled is None else filled.told
+        return Study.stored(text)
+    with explained(f"{file} cannot be written"):
+        file.write_text(text, encoding="utf-8")
+    return Study.load(file)
 
 
 def outlook(study: Study) -> str:
@@ -157,26 +151,26 @@ def draft(
     folder: Path,
     surface: Path | None = None,
     changes: Mapping[str, Any] | None = None,
-    filled: FromTests | None = None,
+    origins: Mapping[str, str] | None = None,
 ) -> str:
     """Return the text of a study of a kind of rig.
 
     folder: where it will lie, to which the measured surface's path is relative. changes: dotted keys to
-    values, which replace those of the draft; or those that tests have `filled` in, which hold them too. Cell
-    and extent follow from the surface's pixel and the contact's width where they are not among the changes.
-    Raises InputError for what is no study.
+    values, which replace those of the draft. origins: where each is from, of a study of tests, which has no
+    examples. Cell and extent follow from the surface's pixel and the contact's width where they are not among
+    the changes. Raises InputError for what is no study.
     """
     document: Any = tomlkit.parse((resources.files("warpwear") / RIGS[kind]).read_text(encoding="utf-8"))
     document["study"].pop("description", None)  # of the preset
-    wanted = {"study.name": name, **(filled.changes if filled else changes or {})}
+    wanted = {"study.name": name, **(changes or {})}
     if surface is not None:
         document["disc"].pop("synthetic", None)
         wanted["disc.surface"] = escaped(os.path.relpath(surface, folder))
-    if filled is not None:
+    if origins is not None:
         document["sliding"].pop("frequency", None)  # of no test
     change(document, wanted)
-    if filled is not None:
-        _explain(document, wanted, filled)
+    if origins is not None:
+        _explain(document, wanted, origins)
     if not all(isinstance(section, dict) for section in document.values()):
         Study(**document.unwrap())  # refuses a value in the place of a section
     if "sliding.track" not in wanted and _is_longer_than_lap(document["sliding"]):
@@ -189,12 +183,12 @@ def draft(
     return _CLOSE.sub("\n\n[", _BELOW_COMMENT.sub(r"\2\1", tomlkit.dumps(document)))
 
 
-def _explain(document: Any, wanted: Mapping[str, Any], filled: FromTests) -> None:
+def _explain(document: Any, wanted: Mapping[str, Any], origins: Mapping[str, str]) -> None:
     """Say behind each number where it is from. Raises InputError where that is nowhere."""
-    if left := unknown(document, wanted):
+    if left := filling.unknown(document, wanted):
         names = ", ".join(example.partition("=")[0] for example in left)
         raise InputError(f"no file says {names}: give each as a change, such as --set {left[0]}")
-    for name, origin in filled.origins.items():
+    for name, origin in origins.items():
         item = value_of(document, name)
         if isinstance(item, Item):
             item.comment(origin)

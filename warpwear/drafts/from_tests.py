@@ -1,131 +1,86 @@
 """Fill in a draft from files of tests of one pair: what they say, each number with where it is from."""
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from warpwear.calibration.measurements import OFF, in_file
+from warpwear.calibration.measurements import OFF
 from warpwear.calibration.pair_tests import PairTest
 from warpwear.calibration.repeats import RepeatedTests, repeats
 from warpwear.calibration.repeats_text import with_s
 from warpwear.calibration.worn import SOURCES
 from warpwear.errors import InputError
 from warpwear.measured.friction.states import StatesFit, fit_states, part_of, untold
-from warpwear.results.report import shown
 from warpwear.study.content import Content
-from warpwear.study.keys import alternatives_of, dotted
-from warpwear.study.motion import Sliding
-from warpwear.study.units import TINIEST, parse
+from warpwear.study.keys import alternatives_of, attribute_of, dotted
+from warpwear.study.study import Study
+from warpwear.study.units import TINIEST
 
-#: Rigs whose tests are read -> key of the way, and its length over that of the track.
-WAYS = {
-    "reciprocating": ("sliding.stroke", 1.0),
-    "rotating": ("sliding.track_radius", 0.5 / math.pi),
-    "pin": ("sliding.track_radius", 0.5 / math.pi),
-}
-#: Keys of a study -> conditions of a test, their units, and where a record has them.
+#: Rigs whose tests are read -> key of the way, its length over that of the track, and how that is found.
+CIRCLE = ("sliding.track_radius", 0.5 / math.pi, "a lap over 2π")
+WAYS = {"reciprocating": ("sliding.stroke", 1.0, "stroke"), "rotating": CIRCLE, "pin": CIRCLE}
+#: Keys of a study -> conditions of a test, their units, and where they are from.
 CONDITIONS = {
     "contact.load": ("load", "N", "median normal force"),
     "sliding.speed": ("speed", "mm/s", "median speed, or distance over time"),
     "sliding.distance": ("distance", "mm", "the longest"),
     "counter.radius": ("radius", "mm", "of the ball"),
 }
-#: Keys of a draft that are facts of a test and no choice: without a file and a person they are asked for.
-FACTS = ("counter.diameter", "counter.radius", "counter.edge_radius", "counter.material", "disc.material")
-FACTS += ("disc.synthetic.sq", "contact.load", "wear.counter", "wear.disc", "friction.coefficient")
-FACTS += ("sliding.stroke", "sliding.track_radius", "sliding.cycles", "sliding.revolutions")
-#: Options of a record as sentences name them -> the key of the study that says it here.
-_OPTIONS = {"radius": "sliding.track_radius", "stroke": "sliding.stroke", "load": "contact.load"}
-_OPTION = re.compile(r"--(radius|stroke|speed|load)\b(?: '([^']*)')?")
-#: Names of tests in a comment, at most.
-MOST_NAMES = 3
-
-
-@dataclass(frozen=True)
-class FromTests:
-    """Files say these keys of a study. origins: key -> where it is from; told: lines for people."""
-
-    changes: Mapping[str, Any]
-    origins: Mapping[str, str]
-    told: tuple[str, ...]
+#: Facts of a test that a draft has examples of, and no choices of its own -> what stands for them, too.
+FACTS = dict.fromkeys(f"counter.{key}" for key in ("diameter", "radius", "edge_radius"))
+FACTS |= dict.fromkeys(f"sliding.{key}" for key in ("stroke", "track_radius", "cycles", "revolutions"))
+FACTS |= dict.fromkeys(("contact.load", "wear.counter", "wear.disc", "friction.coefficient"))
+FACTS |= {"counter.material": "counter.young", "disc.material": "disc.young"}
+FACTS |= {"disc.synthetic.sq": "disc.synthetic."}
+#: How records are read -> the keys of a study that say it.
+READ = {"load": "contact.load", "radius": CIRCLE[0], "stroke": "sliding.stroke", "speed": "sliding.speed"}
 
 
 def from_tests(
-    tests: Any,
-    like: str,
-    changes: Mapping[str, Any],
-    *,
-    columns: str | None = None,
-    preparation: Mapping[str, Any] | None = None,
-) -> FromTests:
-    """Find what tests of one pair say of a study; `changes`, and sections beside the tests, come first.
+    tests: Sequence[Any], like: str, study: Study, given: Mapping[str, str], *how: Any
+) -> tuple[dict[str, Any], dict[str, str], Sequence[str]]:
+    """Find what tests of one pair say of a study: keys, where they are from, and doubts of records.
 
+    given: key that was given, and stays -> where it is from. how: columns and preparation, as of `repeats`.
     Raises InputError for what cannot be read, and where tests differ in what a study has once.
     """
     if like not in WAYS:
         raise InputError(f"tests fill in a draft of {', '.join(WAYS)}: --like {like} takes none")
-    given = dict.fromkeys(changes, "given")
-    if isinstance(tests, str | Path):
-        sections, where = in_file(tests)
-        sections = dotted({name: keys for name, keys in sections.items() if name not in ("infer", "sweep")})
-        given |= dict.fromkeys(sections.keys() - changes.keys(), f"given in {Path(tests).name}")
-        changes, tests = sections | dict(changes), where
-    motion, ball = _alike(changes)
-    read: Any = motion | {"load": changes.get("contact.load"), "columns": columns, "preparation": preparation}
+    known: dict[str, Any] = {name: attribute_of(study, key) for name, key in READ.items() if key in given}
+    if "sliding.frequency" in given and known.keys() & {"radius", "stroke"}:
+        known["speed"] = study.sliding.mean_speed
+    read = known | dict(zip(("columns", "preparation"), how, strict=True))
+    sized = {"counter.radius", "counter.diameter"} & given.keys()
+    ball = {"radius": (study.counter.nominal_radius, "mm")} if sized else {}
     listed = [ball | dict(test if isinstance(test, Mapping) else {"record": test}) for test in tests]
     try:
         found = repeats(listed, **read)
-        loads = [test.conditions.get("load", math.nan) for test in found.tests]
-        if "contact.load" in changes and _differ(loads):
-            found = repeats(listed, at={"load": changes["contact.load"]}, **read)
+        if "load" in known and _differ([test.conditions.get("load", math.nan) for test in found.tests]):
+            found = repeats(listed, at={"load": known["load"]}, **read)
     except InputError as error:
-        raise InputError(_OPTION.sub(_as_change, error.sentence)) from error
-    values, origins = dict(changes), dict(given)
-    for name, value, origin in (*_conditions(found.tests, like, changes), *_numbers(found, listed, changes)):
-        said = {name, *alternatives_of(Content, name)}
-        said |= {"sliding.frequency"} if name == "sliding.speed" else set()
+        text = error.sentence
+        for option, key in READ.items():
+            text = text.replace(f"--{option} '", f"--set {key}='")
+        raise InputError(text) from error
+    values, origins = {"study.description": f"measured: {found.numbers['sentence']}"}, dict(given)
+    for name, value, origin in (
+        *_conditions(found.tests, like, listed, given),
+        *_numbers(found, listed, given),
+    ):
+        said = {name, *alternatives_of(Content, name)} | {"sliding.frequency"} & {name[:8] + "frequency"}
         if not said & given.keys():
             values[name], origins[name] = value, origin
-    sentence = found.numbers["sentence"]
-    values.setdefault("study.description", f"measured: {sentence}")
-    return FromTests(values, origins, (sentence, *(f"warning: {note}" for note in found.numbers["notes"])))
+    return values, origins, found.numbers["notes"]
 
 
 def unknown(document: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
-    """Name the facts of a draft that neither files nor a person say, with the draft's examples."""
-    left = {name: value for name, value in dotted(document).items() if name in FACTS and name not in known}
-    for body in ("counter", "disc"):
-        if {f"{body}.young", f"{body}.poisson", f"{body}.hardness"} <= known.keys():
-            left.pop(f"{body}.material", None)
-    if any(name.startswith("disc.synthetic.") for name in known):
-        left.pop("disc.synthetic.sq", None)
-    return [f"{name}={value!r}" for name, value in left.items()]
-
-
-def _as_change(option: re.Match[str]) -> str:
-    """Name the key of a study that says what an option of a record does."""
-    key = _OPTIONS.get(option[1], "sliding.speed")
-    return f"--set {key}" + (f"='{option[2]}'" if option[2] else "")
-
-
-def _alike(changes: Mapping[str, Any]) -> tuple[dict[str, str], dict[str, str]]:
-    """Return how records are read, and the ball's radius, by the changes of a study."""
-    names = ("track_radius", "stroke", "frequency", "speed")
-    try:
-        sliding = Sliding(**{n: changes[f"sliding.{n}"] for n in names if f"sliding.{n}" in changes})
-        balls = {"counter.radius": 1.0, "counter.diameter": 0.5}
-        sizes = [part * parse(changes[name], "mm") for name, part in balls.items() if name in changes]
-    except ValueError:  # the study says what is wrong with it
-        return {}, {}
-    motion = {"radius": sliding.track_radius, "stroke": sliding.stroke, "speed": sliding.mean_speed}
-    units = {"speed": "mm/s"}
-    known = {name: f"{size!r} {units.get(name, 'mm')}" for name, size in motion.items() if size}
-    return known, {"radius": f"{sizes[0]!r} mm"} if sizes else {}
+    """Write the facts that a draft has examples of, and neither files nor a person say."""
+    facts = {name: value for name, value in dotted(document).items() if name in FACTS and name not in known}
+    said = {name for name in facts if FACTS[name] and any(key.startswith(FACTS[name]) for key in known)}
+    return [f"{name}={value!r}" for name, value in facts.items() if name not in said]
 
 
 def _differ(values: Sequence[float]) -> bool:
@@ -134,106 +89,76 @@ def _differ(values: Sequence[float]) -> bool:
 
 
 def _conditions(
-    tests: Sequence[PairTest], like: str, changes: Mapping[str, Any]
+    tests: Sequence[PairTest], like: str, listed: Sequence[Mapping[str, Any]], given: Mapping[str, str]
 ) -> Iterator[tuple[str, Any, str]]:
     """Give conditions of the tests as keys of a study, with where they are from. Raises InputError."""
-    way, part = WAYS[like]
-    to_and_fro = [test.name for test in tests if not all(step.is_round for step in test.steps)]
-    if to_and_fro and like != "reciprocating":
-        raise InputError(f"{to_and_fro[0]} goes to and fro: --like reciprocating is its rig, not {like}")
+    way, part, how = WAYS[like]
     for test in tests:
+        if like != "reciprocating" and any(step.laps.unit == "cycle" for step in test.steps):
+            raise InputError(f"{test.name} goes to and fro: --like reciprocating is its rig, not {like}")
         if _differ([step.load or math.nan for step in test.steps] or [1.0]):
-            raise InputError(
-                f"{test.name} has steps under several loads: a study of these has a list [[block]]"
-            )
-    for name, (key, unit, how) in {**CONDITIONS, way: ("length", "mm", "track of")}.items():
-        known = [test.conditions[key] for test in tests if test.conditions.get(key, math.nan) > 0.0]
-        if not known or name in changes:
+            raise InputError(f"{test.name} has steps under several loads: a study of these has [[block]]")
+    for name, (key, unit, source) in {**CONDITIONS, way: ("length", "mm", how)}.items():
+        sizes = {t.name: size for t in tests if (size := t.conditions.get(key, math.nan)) > 0.0}
+        if not sizes or name in given:
             continue
-        if key != "distance" and _differ(known):
-            ends = f"from {min(known):.4g} to {max(known):.4g} {unit}"
+        if key != "distance" and _differ([*sizes.values()]):
+            ends = f"from {min(sizes.values()):.4g} to {max(sizes.values()):.4g} {unit}"
             raise InputError(f"the tests have a {key} {ends}: --set {name} says which the study is of")
-        length = max(known) if key == "distance" else float(np.mean(known))
-        size = length * part if name == way else length
-        text = f"{how} {length:.4g} mm" if name == way else how
-        yield name, f"{size:.5g} {unit}", f"{text}: {_listed([test.name for test in tests])}"
+        size = max(sizes.values()) if key == "distance" else float(np.mean([*sizes.values()]))
+        source = "as listed" if any(key in test for test in listed) else source
+        yield name, f"{size * part if name == way else size:.5g} {unit}", f"{source}: {', '.join(sizes)}"
 
 
 def _numbers(
-    found: RepeatedTests, listed: Sequence[Mapping[str, Any]], changes: Mapping[str, Any]
+    found: RepeatedTests, listed: Sequence[Mapping[str, Any]], given: Mapping[str, str]
 ) -> Iterator[tuple[str, Any, str]]:
     """Give wear coefficients and friction as keys of a study, with where they are from."""
+    text = {}
+    for kind, told in found.told.items():
+        at = f", at {told['at']['load']:.4g} N by the trend" if "load" in told["at"] else ""
+        errors = [test.values[kind].error for test in found.tests if kind in test.values]
+        own = f", own error {errors[0]:.2g}" if errors[0] and len(errors) == 1 else ""
+        text[kind] = f"{with_s(told)} (n = {told['n']}{own}){at}"
     for name, kind in (("wear.counter", "k_counter"), ("wear.disc", "k_disc")):
-        if (told := found.told.get(kind)) is not None:
-            worn = [s for s, source in SOURCES.items() if source.worn == kind[2:]]
-            files = [f"{s} {Path(str(test[s])).name}" for test in listed for s in worn if s in test]
-            errors = [test.values[kind].error for test in found.tests if kind in test.values]
-            own = f" ± {errors[0]:.2g} by its own error" if told["n"] == 1 and errors[0] else ""
-            yield name, f"{told['mean']:.4g} mm^3/N/m", f"V/(F L) {_of(told)}{own}: {_listed(files)}"
-    if any(name.startswith("friction.") and name != "friction.law" for name in changes):
-        return
-    law, fits, why = changes.get("friction.law"), [], ""
-    if law in (None, "states"):
-        fits, why = _states_of(found.tests)
-        if law and not fits:
-            raise InputError(f"friction.law = 'states' is not told by the tests: {why}")
-    level = found.told.get("level")
+        if kind in text:
+            worn = [key for key, source in SOURCES.items() if source.worn == kind[2:]]
+            files = [f"{key} {Path(str(test[key])).name}" for test in listed for key in worn if key in test]
+            value = f"{found.told[kind]['mean']:.4g} mm^3/N/m"
+            yield name, value, f"V/(F L) {text[kind]}: {', '.join(files)}"
+    fits, why = ([], "") if any(key.startswith("friction.") for key in given) else _states_of(found.tests)
     if fits:
         yield "friction.law", "states", "the records jump; a law that fits, no prediction"
-        for key, value, origin in _means_of(fits):
-            yield f"friction.states.{key}", value, origin
-    elif level is not None:
-        names = _listed([test.name for test in found.tests if "level" in test.values])
-        yield (
-            "friction.coefficient",
-            float(f"{level['mean']:.4g}"),
-            f"steady value {_of(level)}: {names}{why}",
-        )
+        for key, number, origin in _means_of(fits):
+            yield f"friction.states.{key}", number, origin
+    elif "level" in text:
+        origin = f"steady value {text['level']}: {', '.join(test.name for test in found.tests)}{why}"
+        yield "friction.coefficient", float(f"{found.told['level']['mean']:.4g}"), origin
 
 
 def _states_of(tests: Sequence[PairTest]) -> tuple[list[StatesFit], str]:
     """Fit the three states to all records at once; none, and why, where these do not tell them."""
     steps = [step for test in tests for step in test.steps]
-    flat = [test.name for test in tests if any(step.states is None for step in test.steps) or not test.steps]
-    if flat or not steps:
-        return [], f"; no jump in {flat[0]}" if flat else ""
+    if not steps or not all(step.states for step in steps):
+        return [], ", which do not all jump"
     laps = [step.laps.length / step.laps.laps if step.laps.laps else None for step in steps]
     fits = fit_states([part_of(step.course, lap) for step, lap in zip(steps, laps, strict=True)])
-    for fit in fits:
-        if (hardly := untold(fit)) or fit.numbers["seed"][0] < TINIEST:
-            return [], f"; three states are not told: {', '.join(hardly) or 'seed'}"
-    return fits, ""
+    hardly = [name for fit in fits for name in untold(fit)]
+    hardly += ["seed" for fit in fits if fit.numbers["seed"][0] < TINIEST]
+    return ([], f", which hardly tell {hardly[0]} of three states") if hardly else (fits, "")
 
 
 def _means_of(fits: Sequence[StatesFit]) -> Iterator[tuple[str, Any, str]]:
-    """Give the constants of three states: shared ones, means of the others, a seed for the mean wait."""
-    many = fits[0].unit if fits[0].unit == "mm" else f"{fits[0].unit}s"
-    mean = {name: float(np.mean([fit.numbers[name][0] for fit in fits])) for name in fits[0].numbers}
-    waits = [float(fit.values[5]) for fit in fits]
-    mean["seed"] = mean["spread"] * math.exp(-mean["spread"] * float(np.mean(waits)))
+    """Give the constants of three states, means of the tests, with a seed for the mean wait."""
+    mean: dict[str, float] = {}
     for name in ("film", "slope", "metal", "cover", "spread", "seed", "cover_rate"):
-        each = [fit.numbers[name] for fit in fits]
-        s = float(np.std([value for value, _ in each], ddof=1)) if len(fits) > 1 else each[0][1]
-        kind = "s of the tests" if len(fits) > 1 else "error of the fit"
-        if name in ("metal", "spread"):
-            s, kind = each[0][1], "one for all tests, error of the fit"
-        origin = f"± {s:.2g}, {kind}"
+        each = [fit.numbers["wait" if name == "seed" else name] for fit in fits]
+        numbers = [number for number, _ in each]
+        mean[name] = float(np.mean(numbers))
+        ends = f"tests from {min(numbers):.4g} to {max(numbers):.4g}"
+        origin = ends if len({*numbers}) > 1 else f"fit of all, ± {each[0][1]:.2g}"
         if name == "seed":
-            ends = f"{min(waits):.3g} to {max(waits):.3g}"
-            origin = (
-                f"ln(r/e)/r is the mean wait, {np.mean(waits):.3g} {many} ({ends}): the next test's scatters"
-            )
+            origin = f"for a wait of {mean[name]:.3g} {fits[0].unit}s; {ends}"
+            mean[name] = mean["spread"] * math.exp(-mean["spread"] * mean[name])
         yield name, float(f"{mean[name]:.4g}"), origin
     yield "per", "mm" if fits[0].unit == "mm" else "lap", "what the rates are of"
-
-
-def _of(told: Mapping[str, Any]) -> str:
-    """Write mean ± s of tests, and how many they are."""
-    at = f", at {told['at']['load']:.4g} N by the trend" if told["at"].get("load") else ""
-    return f"{with_s(told)} (n = {told['n']}){at}"
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Write names for a comment, those beyond a few as a number."""
-    more = len(names) - MOST_NAMES
-    return ", ".join(names[:MOST_NAMES]) + (f" and {shown(more)} more" if more > 0 else "")

@@ -48,11 +48,6 @@ class RecordStep:
         half = 0.0 if self.course.cycles is None else 0.5 * self.laps.length
         return float(self.course.distance[-1]) + half
 
-    @property
-    def is_round(self) -> bool:
-        """Tell whether it slides one way, as on a circle."""
-        return self.course.cycles is None
-
 
 @dataclass(frozen=True, eq=False)
 class Loop:
@@ -120,28 +115,18 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     if events.jump is not None:
         with suppress(InputError):  # a jump of another kind
             (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
-    others, track = _others(rows, motion, laps), _track(rows, motion, laps, lap)
-    speed = _speed(rows, motion, course, lap)
+    others, speed = _others(rows, motion, laps), _speed(rows, motion, course)
+    turns = motion.radius is not None or {"radius", "laps"} & rows.table.keys()  # a cycle may be to and fro
+    track = 0.5 * laps.length if by_cycles else motion.stroke or (lap if turns else None)
     return RecordStep(name, course, laps, events, load, energy, before, states, others, speed, track)
 
 
-def _track(rows: RecordRows, motion: Motion, laps: LapMeans, lap: float | None) -> float | None:
-    """Return the length of the circle or stroke [mm]; None where a cycle may be either."""
-    if laps.unit == "cycle":
-        return 0.5 * laps.length
-    if motion.stroke is not None:
-        return motion.stroke
-    return lap if motion.radius is not None or {"radius", "laps"} & rows.table.keys() else None
-
-
-def _speed(rows: RecordRows, motion: Motion, course: Experiment, lap: float | None) -> float | None:
-    """Return the speed of sliding [mm/s], of rows that do not rest."""
-    if motion.speed is not None:
-        return motion.speed
+def _speed(rows: RecordRows, motion: Motion, course: Experiment) -> float | None:
+    """Return the speed of sliding [mm/s]: the median of what moves, or distance over time."""
     table = moving(rows)[0].table
-    for role, factor in (("speed", 1.0), ("rpm", lap and lap / 60.0)):
-        if factor and role in table and np.isfinite(table[role]).any():
-            return factor * float(np.nanmedian(np.abs(table[role])))
+    speed = table.get("speed")
+    if motion.speed is not None or (speed is not None and np.isfinite(speed).any()):
+        return motion.speed or float(np.nanmedian(np.abs(speed)))
     seconds = spans(table["time"])[0] if "time" in table else 0.0
     return float(np.ptp(course.distance)) / seconds if seconds > 0.0 else None
 
