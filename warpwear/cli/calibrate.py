@@ -6,17 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli import places
-from warpwear.cli.options import (
-    AS_JSON,
-    COLUMNS,
-    DEVICE,
-    EXPERIMENTS,
-    MEASURED,
-    PATH,
-    WITH_MEASURED,
-    repeated,
-    together,
-)
+from warpwear.cli.options import AS_JSON, COLUMNS, DEVICE, EXPERIMENTS, MEASURED, PATH, repeated, together
 from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 from warpwear.cli.surface import prepared, with_preparation
 
@@ -163,7 +153,7 @@ def loop(**options: Any) -> None:
 @repeated("--unknown", "KEY[=PRIOR]", "Key, prior as in a sweep.", default="a factor of 5 about its value")
 @EXPERIMENTS
 @COLUMNS
-@WITH_MEASURED
+@together(*MEASURED.values())
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
 @repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
@@ -192,6 +182,6 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     A value measured in repeated tests is given repeatedly. What was measured may stand in STUDY too, in
     tables [[test]], and unknowns and tests to rank in its section [infer].
     """
-    measured = {name: options.pop(name) for name, _ in MEASURED.values()}
+    measured = {name: options.pop(name) for name in MEASURED}
     changed = parsed_changes(changes)
     click.echo(places.inference_command.calibrate_bayes(study, changed, measured=measured, **options))

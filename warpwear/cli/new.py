@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import IN_TESTS, PATH, WITH_TESTS, repeated
+from warpwear.cli.options import IN_TESTS, PATH, repeated, together
 from warpwear.cli.places import drafts, repeated_tests
 from warpwear.cli.study import CHANGES, parsed_changes
 from warpwear.cli.surface import prepared, with_preparation
@@ -21,7 +21,7 @@ KINDS = ("reciprocating", "rotating", "fretting", "pin", "block-on-ring")
 @click.option("--like", type=click.Choice(KINDS), default="reciprocating", show_default=True, help="The rig.")
 @click.option("--surface", type=PATH, help="Measured surface of the disc or flat; made-up without one.")
 @repeated("--record", "FILE", "A tribometer's record of a test.", "--repeat", "records", type=PATH)
-@WITH_TESTS
+@together(*IN_TESTS.values())
 @click.option("--tests", type=PATH, help="A TOML file with tables [[test]] instead, and maybe keys.")
 @click.option("--columns", metavar="NAMES", help="Which columns of the records to take.")
 @with_preparation()

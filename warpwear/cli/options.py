@@ -23,24 +23,24 @@ def together(*options: Option) -> Option:
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
-#: Option of a measured value -> its name in a test, and its help.
-MEASURED = {
-    "--volume-counter": ("volume_counter", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
-    "--volume-disc": ("volume_disc", "Worn volume of the disc."),
-    "--section": ("section", "Mean cross-section of the groove, e.g. '812 +- 30 um^2'."),
-    "--scar": ("scar", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
-    "--sq-counter": ("sq_counter", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
-    "--sq-disc": ("sq_disc", "Sq in the scar of the disc."),
-    "--cof": ("friction", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
+_TEXTS = {
+    "volume_counter": "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'.",
+    "volume_disc": "Worn volume of the disc.",
+    "section": "Mean cross-section of the groove, e.g. '812 +- 30 um^2'.",
+    "scar": "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'.",
+    "sq_counter": "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'.",
+    "sq_disc": "Sq in the scar of the disc.",
 }
-WITH_MEASURED = together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
-#: What was measured in tests beside their records, by the keys of [[test]], in the order of the tests.
-IN_TESTS = ("profile", "ball", "volume_counter", "volume_disc", "section", "scar")
-WITH_TESTS = together(
-    repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
-    repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
-    *(repeated(o, "X+-U", text, name) for o, (name, text) in MEASURED.items() if name in IN_TESTS),
+#: Key of a test -> the option of its measured value.
+MEASURED = {k: repeated(f"--{k.replace('_', '-')}", "X+-U", text) for k, text in _TEXTS.items()}
+MEASURED["friction"] = repeated(
+    "--cof", "X+-U", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'.", "friction", default="at the end"
 )
+#: The same for what is measured in tests beside their records, in the order of the tests.
+IN_TESTS = {
+    "profile": repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
+    "ball": repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
+} | {key: MEASURED[key] for key in ("volume_counter", "volume_disc", "section", "scar")}
 FOLDER = FOLDER = click.argument("folder", metavar="DIR", type=PATH)
 DETAILS = click.option("--details", is_flag=True, help="Print all lines, not the ten that say most.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -5,14 +5,14 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import FORMAT, IN_TESTS, PATH, WITH_TESTS, repeated
+from warpwear.cli.options import FORMAT, IN_TESTS, PATH, repeated, together
 from warpwear.cli.places import repeated_tests, written
 from warpwear.cli.surface import prepared, with_preparation
 
 
 @click.command()
 @click.argument("files", metavar="FILE...", nargs=-1, type=PATH)
-@WITH_TESTS
+@together(*IN_TESTS.values())
 @click.option("--ball-radius", help="--scar, --ball: of the unworn ball, e.g. '3 mm'.")
 @click.option("--length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
 @click.option("--distance", help="Sliding distance, where there is no record.")
