@@ -253,20 +253,21 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
     """Gather what several tests have measured, by name. at: conditions of the next test."""
     found = {}
     for kind in _kinds(tests):
-        asked, _, at_load = kind.partition(" at ")
+        asked, at_load, load = kind.partition(" at ")
+        label, unit = ASKED[asked]
         some = tuple(test for test in tests if kind in test.values)
         if not any(test.values[kind].value for test in some):
             continue
-        known = {name: [test.conditions.get(name, math.nan) for test in some] for name in CONDITIONS}
+        varied = {*at} - {"load"} if at_load else {*at, "load"}
+        alike = [name for name in CONDITIONS if name in varied]
+        known = {name: [test.conditions.get(name, math.nan) for test in some] for name in alike}
         over = tuple(
             name
             for name, values in known.items()
-            if (name in at or name == "load")
-            and not (name == "load" and at_load)
-            and np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
+            if np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
         )
         middle = {name: math.exp(float(np.mean(np.log(known[name])))) for name in over}
-        number = RepeatedNumber(kind, some, over, {**middle, **at}, *ASKED[asked])
+        number = RepeatedNumber(kind, some, over, {**middle, **at}, f"{label}{at_load}{load}", unit)
         if not number.pair.is_known:
             told = " and ".join(over)
             raise InputError(
