@@ -309,7 +309,7 @@ def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -
     whole = {"load": how["load"] or math.nan}
     if steps:
         slid = sum(step.slid for step in steps)
-        work = sum((step.load or math.nan) * step.slid for step in steps)
+        work = sum((step.load or whole["load"]) * step.slid for step in steps)
         whole = {**places[0].conditions, "load": work / slid, "distance": slid}
     if test.track_radius:
         whole["length"] = 2.0 * math.pi * test.track_radius
@@ -362,7 +362,7 @@ def _of_step(step: RecordStep, name: str, known: Mapping[str, float]) -> PairTes
         if events.steady is not None:
             values["overshoot"] = Value(events.overshoot or 0.0, events.steady.error)
     own = {"load": step.load, "speed": step.speed, "length": step.track}
-    conditions = {key: size for key, size in own.items() if size} | known
+    conditions = {key: size for key, size in own.items() if size} | dict(known)
     return PairTest(name, conditions, values, (1e-3 * (step.before + laps.distance), laps.cof), count)
 
 

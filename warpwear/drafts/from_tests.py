@@ -29,12 +29,11 @@ CONDITIONS = {
     "sliding.distance": ("distance", "mm", "the longest"),
     "counter.radius": ("radius", "mm", "of the ball"),
 }
-#: Facts of a test that a draft has examples of, and no choices of its own -> what stands for them, too.
-FACTS = dict.fromkeys(f"counter.{key}" for key in ("diameter", "radius", "edge_radius"))
-FACTS |= dict.fromkeys(f"sliding.{key}" for key in ("stroke", "track_radius", "cycles", "revolutions"))
-FACTS |= dict.fromkeys(("contact.load", "wear.counter", "wear.disc", "friction.coefficient"))
-FACTS |= {"counter.material": "counter.young", "disc.material": "disc.young"}
-FACTS |= {"disc.synthetic.sq": "disc.synthetic."}
+#: Keys of a draft that are choices and no facts of a test, and of facts what stands for them, too.
+CHOICES = {"study.name", "study.description", "counter.shape", "contact.law", "disc.synthetic.kind"}
+CHOICES |= {"disc.synthetic.cut_off", "grid.cell", "grid.extent", "sliding.track"}
+STANDS = {f"{body}.material": f"{body}.young" for body in ("counter", "disc")}
+STANDS["disc.synthetic.sq"] = "disc.synthetic."
 #: How records are read -> the keys of a study that say it.
 READ = {"load": "contact.load", "radius": CIRCLE[0], "stroke": "sliding.stroke", "speed": "sliding.speed"}
 
@@ -78,9 +77,11 @@ def from_tests(
 
 def unknown(document: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
     """Write the facts that a draft has examples of, and neither files nor a person say."""
-    facts = {name: value for name, value in dotted(document).items() if name in FACTS and name not in known}
-    said = {name for name in facts if FACTS[name] and any(key.startswith(FACTS[name]) for key in known)}
-    return [f"{name}={value!r}" for name, value in facts.items() if name not in said]
+    return [
+        f"{name}={value!r}"
+        for name, value in dotted(document).items()
+        if name not in CHOICES and not any(key.startswith((name, STANDS.get(name, name))) for key in known)
+    ]
 
 
 def _differ(values: Sequence[float]) -> bool:

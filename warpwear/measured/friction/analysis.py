@@ -124,9 +124,9 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
 def _speed(rows: RecordRows, motion: Motion, course: Experiment) -> float | None:
     """Return the speed of sliding [mm/s]: the median of what moves, or distance over time."""
     table = moving(rows)[0].table
-    speed = table.get("speed")
-    if motion.speed is not None or (speed is not None and np.isfinite(speed).any()):
-        return motion.speed or float(np.nanmedian(np.abs(speed)))
+    speeds = np.abs(table.get("speed", np.zeros(0)))
+    if motion.speed is not None or np.isfinite(speeds).any():
+        return motion.speed or float(np.nanmedian(speeds))
     seconds = spans(table["time"])[0] if "time" in table else 0.0
     return float(np.ptp(course.distance)) / seconds if seconds > 0.0 else None
 

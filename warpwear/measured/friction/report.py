@@ -62,7 +62,7 @@ def _table_of_steps(steps: Sequence[RecordStep]) -> list[list[str]]:
     cells[0] += [name.replace(" [", ", ").replace("]", "/m") for name in names]
     for step in steps:
         steady, jump = step.events.steady, step.events.jump
-        level = Row("", "", steady and steady.value, error=steady and steady.error)
+        level = Row("", "", steady.value, error=steady.error) if steady else Row("", "", None)
         told = [name in step.others and _other_rows(name, step.others[name], step) for name in names]
         rates = [rows[0].value[1].number if rows else "–" for rows in told]
         numbers = [step.load, 1e-3 * step.slid, jump and 1e-3 * jump.start, step.energy]
@@ -202,25 +202,21 @@ def _length(label: str, key: str, length: float, step: RecordStep, note: str = "
 
 def table_of(analysis: Analysis) -> str:
     """Write the course as a table, units in the header: a row a lap, cycle or group of them."""
-    several = len(analysis.steps) > 1
-    unit = next((step.laps.unit for step in analysis.steps if step.laps.laps is not None), None)
-    head = ["Distance [mm]", "CoF [-]", "Scatter of CoF [-]", "Points"]
-    others = [*dict.fromkeys(name for step in analysis.steps for name in step.others)]
-    head += ([f"{unit.capitalize()} [-]"] if unit else []) + others + ["Step"] * several
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(head)
-    for number, step in enumerate(analysis.steps):
+    steps, text = analysis.steps, io.StringIO()
+    unit = next((step.laps.unit for step in steps if step.laps.laps is not None), None)
+    others = [*dict.fromkeys(name for step in steps for name in step.others)]
+    head = ["Distance [mm]", "CoF [-]", "Scatter of CoF [-]", "Points", *others]
+    head[4:4] = [f"{unit.capitalize()} [-]"] if unit else []
+    head += ["Step"] * (len(steps) > 1)
+    writer = csv.DictWriter(text, head, restval="", extrasaction="ignore")
+    writer.writeheader()
+    for number, step in enumerate(steps):
         laps = step.laps
+        columns = {head[0]: step.before + laps.distance, head[1]: laps.cof, head[2]: laps.scatter}
         for k in range(laps.cof.size):
-            row: list[Any] = [repr(float(step.before + laps.distance[k])), repr(float(laps.cof[k]))]
-            row.append("" if math.isnan(laps.scatter[k]) else repr(float(laps.scatter[k])))
-            row.append(int(laps.points[k]))
-            if unit:
-                count = laps.count(float(laps.distance[k]))
-                row.append("" if count is None else f"{count:.6g}")
-            for name in others:
-                mean = step.others[name][k] if name in step.others else math.nan
-                row.append("" if math.isnan(mean) else repr(float(mean)))
-            writer.writerow([*row, *([step.name or number + 1] if several else [])])
+            values = {name: float(column[k]) for name, column in (columns | dict(step.others)).items()}
+            row: dict[str, Any] = {name: repr(v) for name, v in values.items() if not math.isnan(v)}
+            count = laps.count(float(laps.distance[k]))
+            row |= {"Points": int(laps.points[k]), "Step": step.name or number + 1}
+            writer.writerow(row | ({head[4]: f"{count:.6g}"} if count is not None else {}))
     return text.getvalue()
