@@ -275,3 +275,12 @@ def test_a_trend_over_the_speed_that_records_say(tmp_path: Path) -> None:
     told = warpwear.repeats(tests, radius="6 mm", at={"speed": "400 mm/s"}).told["k_disc"]
     assert told["trend"]["speed"][0] == pytest.approx(-0.5, abs=1e-3)
     assert told["mean"] == pytest.approx(1e3 * 0.05 / 20.0 / (LOAD * LAPS * LAP_OF_LAB), rel=2e-3)
+
+
+def test_a_volume_that_may_be_nothing_is_told() -> None:
+    sections = [
+        {"section": f"100 +- {u} um^2", "length": "30 mm", "load": "5 N", "distance": "10 m"}
+        for u in (20, 80)
+    ]
+    notes = warpwear.repeats(sections).numbers["notes"]
+    assert notes == ["test.2: of section the volume is within three standard uncertainties of nothing"]

@@ -334,6 +334,7 @@ def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -
         parts = [(each.error or 0.0) / each.value for each in both]
         error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
         values[kind] = Value(k, error)
+        notes += (f"of {source} {worn.doubt}",) if worn.doubt else ()
     return [PairTest(name, whole, values, notes=notes, steps=steps), *places]
 
 

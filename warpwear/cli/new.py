@@ -11,7 +11,7 @@ from warpwear.cli.options import IN_TESTS, PATH, repeated, together
 from warpwear.cli.places import drafts, repeated_tests
 from warpwear.cli.study import CHANGES, parsed_changes
 from warpwear.cli.surface import prepared, with_preparation
-from warpwear.errors import InputError
+from warpwear.errors import InputError, StudyWarning
 
 KINDS = ("reciprocating", "rotating", "fretting", "pin", "block-on-ring")
 
@@ -58,7 +58,7 @@ def new(file: Path, changes: tuple[str, ...], **options: Any) -> None:
     with warnings.catch_warnings(record=True, action="always") as doubts:
         study = drafts.new_study(file, **options)
     place, name = shlex.quote(str(file)), shlex.quote(study.study.name)
-    told = [study.study.description, *(f"warning: {doubt.message}" for doubt in doubts)]
+    told = [study.study.description, *(f"warning: {d.message}" for d in doubts if d.category is StudyWarning)]
     click.echo("\n  ".join([f"{file}: {drafts.outlook(study)}", *filter(None, told)]))
     if tests is None:
         click.echo(f"put in your numbers, then: warpwear run {place} --dry-run, and without it")
