@@ -80,6 +80,17 @@ def test_three_records_and_profiles_are_a_study(tmp_path: Path) -> None:
     assert "frequency" not in numbers["sliding"]  # of the draft, and of no file
 
 
+def test_a_frequency_that_is_given_stands_for_the_speed(tmp_path: Path) -> None:
+    """And a single record's constants have the errors of its fit."""
+    record = lab_record(tmp_path / "test-1.csv", 0)
+    changes = {"sliding__track_radius": "6 mm", "sliding__frequency": "60 rpm", "wear__disc": 0}
+    study, comments = drafted([record], **changes)
+    assert (study.sliding.speed, study.sliding.frequency) == (None, 1.0)
+    assert study.sliding.total == pytest.approx(LAPS * LAP, rel=1e-4)
+    assert comments["film"].startswith("fit of all, ± ")
+    assert re.match(r"for a wait of 3[56]\.\d laps; fit of all, ± 0\.\d+$", comments["seed"])
+
+
 def test_the_command_does_the_same_and_says_what_comes_next(tmp_path: Path) -> None:
     tests = lab(tmp_path)
     words = [word for test in tests for word in ("--repeat", test["record"].name)]

@@ -36,7 +36,7 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     for way, key in ways.items():
         if inputs := [r.name for r in runs if r.study.friction.fitted == way and "cof" in r.courses]:
             yield (
-                f"The CoF {'' if way == 'states' else 'at the end '}of {listed(inputs, len(runs))} is an input "
+                f"The CoF {'at the end ' * (way == 'end')}of {listed(inputs, len(runs))} is an input "
                 f"(friction.{key}), "
                 "not a result: compare the shear strengths, or run all with one friction.shear_strength."
             )

@@ -49,8 +49,9 @@ def from_tests(
     if like not in WAYS:
         raise InputError(f"tests fill in a draft of {', '.join(WAYS)}: --like {like} takes none")
     known: dict[str, Any] = {name: attribute_of(study, key) for name, key in READ.items() if key in given}
-    if "sliding.frequency" in given and known.keys() & {"radius", "stroke"}:
-        known["speed"] = study.sliding.mean_speed
+    if "sliding.frequency" in given:
+        given = {READ["speed"]: "", **given}  # as it says that
+        known |= {"speed": study.sliding.mean_speed} if known.keys() & {"radius", "stroke"} else {}
     read = known | dict(zip(("columns", "preparation"), how, strict=True))
     sized = {"counter.radius", "counter.diameter"} & given.keys()
     ball = {"radius": (study.counter.nominal_radius, "mm")} if sized else {}
@@ -65,12 +66,9 @@ def from_tests(
             text = text.replace(f"--{option} '", f"--set {key}='")
         raise InputError(text) from error
     values, origins = {"study.description": f"measured: {found.numbers['sentence']}"}, dict(given)
-    for name, value, origin in (
-        *_conditions(found.tests, like, listed, given),
-        *_numbers(found, listed, given),
-    ):
-        said = {name, *alternatives_of(Content, name)} | {"sliding.frequency"} & {name[:8] + "frequency"}
-        if not said & given.keys():
+    conditions = _conditions(found.tests, like, listed, given)
+    for name, value, origin in (*conditions, *_numbers(found, listed, given)):
+        if not {name, *alternatives_of(Content, name)} & given.keys():
             values[name], origins[name] = value, origin
     return values, origins, found.numbers["notes"]
 
@@ -152,14 +150,16 @@ def _states_of(tests: Sequence[PairTest]) -> tuple[list[StatesFit], str]:
 def _means_of(fits: Sequence[StatesFit]) -> Iterator[tuple[str, Any, str]]:
     """Give the constants of three states, means of the tests, with a seed for the mean wait."""
     mean: dict[str, float] = {}
+    per = "mm" if fits[0].unit == "mm" else "lap"
     for name in ("film", "slope", "metal", "cover", "spread", "seed", "cover_rate"):
         each = [fit.numbers["wait" if name == "seed" else name] for fit in fits]
         numbers = [number for number, _ in each]
         mean[name] = float(np.mean(numbers))
-        ends = f"tests from {min(numbers):.4g} to {max(numbers):.4g}"
-        origin = ends if len({*numbers}) > 1 else f"fit of all, ± {each[0][1]:.2g}"
+        origin = f"fit of all, ± {each[0][1]:.2g}"
+        if len({*numbers}) > 1:
+            origin = f"tests from {min(numbers):.4g} to {max(numbers):.4g}"
         if name == "seed":
-            origin = f"for a wait of {mean[name]:.3g} {fits[0].unit}s; {ends}"
+            origin = f"for a wait of {mean[name]:.3g} {fits[0].unit}{'s' * (per == 'lap')}; {origin}"
             mean[name] = mean["spread"] * math.exp(-mean["spread"] * mean[name])
         yield name, float(f"{mean[name]:.4g}"), origin
-    yield "per", "mm" if fits[0].unit == "mm" else "lap", "what the rates are of"
+    yield "per", per, "what the rates are of"
