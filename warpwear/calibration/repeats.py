@@ -311,6 +311,8 @@ def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -
         slid = sum(step.slid for step in steps)
         work = sum((step.load or whole["load"]) * step.slid for step in steps)
         whole = {**places[0].conditions, "load": work / slid, "distance": slid}
+        if len({step.track for step in steps}) > 1:
+            whole.pop("length", None)  # of several tracks
     if test.track_radius:
         whole["length"] = 2.0 * math.pi * test.track_radius
     whole |= known
@@ -327,9 +329,8 @@ def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -
             raise InputError(f"{named}.{source} is of a body whose wear is given already: give one of both")
         if not all(each.value > 0.0 for each in both):
             raise InputError(f"{named}.{source} needs a load and a distance: K is V/(F L)")
-        worn = worn_volume(
-            test, source, named, preparation=how["preparation"] if SOURCES[source].file else {}
-        )
+        prepared = how["preparation"] if SOURCES[source].file else {}
+        worn = worn_volume(test, source, named, preparation=prepared)
         k = 1e3 * worn.volume / (both[0].value * both[1].value)
         parts = [(each.error or 0.0) / each.value for each in both]
         error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
