@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from calibration.cases_lab import LAP as LAP_OF_LAB
+from calibration.cases_lab import LAPS, LOAD, OFF, K, lab, lab_recipe, lab_record
 from click.testing import CliRunner
 from measured.cases_courses import Truth, made
 
@@ -211,3 +213,79 @@ def test_what_is_no_repeat_is_refused(tests: Any, more: dict[str, Any], text: st
     with pytest.raises(InputError) as error:
         warpwear.repeats(tests, **more)
     assert text in str(error.value)
+
+
+def test_profiles_and_scars_stand_beside_records_in_order(tmp_path: Path) -> None:
+    """What the command line says is what a list of tests says; a test without a profile has none."""
+    pytest.importorskip("ruptures")
+    tests = lab(tmp_path, jumps=False)
+    words = [word for test in tests[:2] for word in ("--profile", test["profile"])]
+    words += [*("--scar", "0.30 mm", "--scar", "0.32 mm", "--ball-radius", "3 mm", "--radius", "6 mm")]
+    found = numbers(*(test["record"] for test in tests), *words)["numbers"]
+    listed = [
+        test | {"scar": scar, "radius": "3 mm"}
+        for test, scar in zip(tests, ("0.30 mm", "0.32 mm"), strict=False)
+    ]
+    told = warpwear.repeats([*listed, {"record": tests[2]["record"]}], radius="6 mm").told
+    assert {name: row["n"] for name, row in found.items()} == {"level": 3, "k_counter": 2, "k_disc": 2}
+    assert {name: row["mean"] for name, row in found.items()} == pytest.approx(
+        {name: row["mean"] for name, row in told.items()}
+    )
+    assert found["k_disc"]["mean"] == pytest.approx(K * (1.0 + (OFF[0] + OFF[1]) / 2.0), rel=5e-3)
+
+
+def test_steps_under_several_loads_are_numbers_by_load(tmp_path: Path) -> None:
+    """Friction 0.5 + 0.01 F + 0.01 k of test k; K is the volume over the sum of F L."""
+    pytest.importorskip("ruptures")
+    tests = [
+        {"record": lab_recipe(tmp_path / f"r{k}.csv", k), "volume_disc": "0.03 mm^3", "track_radius": "6 mm"}
+        for k in range(3)
+    ]
+    report = warpwear.repeats(tests)
+    for load, name in ((5.0, "5.01 N"), (10.0, "10 N")):  # the mean of what the three machines had
+        told = report.told[f"level at {name}"]
+        assert told["mean"] == pytest.approx(0.51 + 0.01 * load, abs=0.003)
+        assert told["s"] == pytest.approx(0.01, abs=0.003)
+        assert (told["n"], told["at"]) == (3, {})
+    work = [(5.0 + 10.0) * (1.0 + 0.002 * k) * 10.0 for k in range(3)]
+    assert report.told["k_disc"]["mean"] == pytest.approx(np.mean([0.03 / w for w in work]), rel=2e-3)
+    assert " at 5.01 N (n = 3); μ = " in report.numbers["sentence"]
+    with pytest.raises(
+        InputError, match=r"section needs test.1.length"
+    ):  # nothing says how long the track is
+        warpwear.repeats([{"record": tests[0]["record"], "section": "90 um^2"}], radius=None)
+    course = report.tests[0].course
+    assert course is not None
+    assert course[0][-1] == pytest.approx(20.0, rel=0.02)  # one step after the other
+
+
+def test_a_load_that_a_record_has_goes_before_the_one_that_is_given(tmp_path: Path) -> None:
+    pytest.importorskip("ruptures")
+    test = {"record": lab_record(tmp_path / "a.csv", 0, jumps=False), "volume_disc": "0.01 mm^3"}
+    report = warpwear.repeats([test], load="9 N", radius=6.0)
+    assert report.tests[0].conditions["load"] == pytest.approx(LOAD)
+    assert report.told["k_disc"]["mean"] == pytest.approx(10.0 / (LOAD * LAPS * LAP_OF_LAB), rel=1e-3)
+
+
+def test_a_trend_over_the_speed_that_records_say(tmp_path: Path) -> None:
+    """K falls as v^-0.5 of records whose time and laps give the speed."""
+    pytest.importorskip("ruptures")
+    speeds = (50.0, 100.0, 200.0)
+    tests = [
+        {"record": lab_record(tmp_path / f"{v:g}-{k}.csv", k, jumps=False, pace=v)}
+        | {"volume_disc": f"{0.05 / v**0.5} mm^3"}
+        for v in speeds
+        for k in range(2)
+    ]
+    told = warpwear.repeats(tests, radius="6 mm", at={"speed": "400 mm/s"}).told["k_disc"]
+    assert told["trend"]["speed"][0] == pytest.approx(-0.5, abs=1e-3)
+    assert told["mean"] == pytest.approx(1e3 * 0.05 / 20.0 / (LOAD * LAPS * LAP_OF_LAB), rel=2e-3)
+
+
+def test_a_volume_that_may_be_nothing_is_told() -> None:
+    sections = [
+        {"section": f"100 +- {u} um^2", "length": "30 mm", "load": "5 N", "distance": "10 m"}
+        for u in (20, 80)
+    ]
+    notes = warpwear.repeats(sections).numbers["notes"]
+    assert notes == ["test.2: of section the volume is within three standard uncertainties of nothing"]

@@ -75,6 +75,34 @@ def test_a_plain_grid_says_the_same(seed: int) -> None:
     assert ends == pytest.approx((low, high), abs=0.02 * (high - low))
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_a_plain_grid_says_the_same_of_a_trend(seed: int) -> None:
+    """An independent sum over mean, slope and scatter: the mean under another load, and the slope."""
+    dice = np.random.default_rng(100 + seed)
+    tests, scatter = int(dice.integers(4, 9)), float(dice.uniform(0.05, 0.4))
+    u, x = dice.uniform(0.02, 0.1, tests), np.log(dice.choice([2.0, 5.0, 10.0], tests))
+    x = np.where(np.arange(tests) < 2, np.log([2.0, 10.0] * tests)[:tests], x)
+    y = -0.4 * x + dice.normal(0.0, np.hypot(scatter, u))
+    slope, start = np.polyfit(x - x.mean(), y, 1)
+    s = np.linspace(0.0, 6.0 * PRIOR, 301)[1:, None, None]
+    wide = 8.0 * max(scatter, 0.15)
+    theta = np.linspace(start - wide, start + wide, 121)[:, None]
+    beta = np.linspace(slope - 1.5 * wide, slope + 1.5 * wide, 121)
+    log = -0.5 * (s / PRIOR) ** 2 + np.zeros((1, 121, 121))
+    for value, error, place in zip(y, u, x - x.mean(), strict=True):
+        log += stats.norm.logpdf(value, theta + beta * place, np.hypot(s, error))
+    joint = np.exp(log - log.max()).sum(axis=0)
+    joint /= joint.sum()
+    pair = ScatterModel(y, u, np.column_stack([np.ones(tests), x - x.mean()]))
+    at = float(np.log(20.0) - x.mean())
+    for row, values in (([0.0, 1.0], beta + 0.0 * theta), ([1.0, at], theta + at * beta)):
+        mean = float((joint * values).sum())
+        deviation = math.sqrt(float((joint * (values - mean) ** 2).sum()))
+        found = pair.mean(np.array(row))
+        assert found[0] == pytest.approx(mean, abs=0.02 * deviation)
+        assert found[1] == pytest.approx(deviation, rel=0.02)
+
+
 def test_no_scatter_is_the_mean_by_the_errors() -> None:
     """s → 0: mean and error by 1/u², and of the next test their and its own error."""
     y, u = np.array([1.0, 1.2, 0.9, 1.1]), np.array([0.1, 0.2, 0.15, 0.05])

@@ -61,6 +61,9 @@ def test_a_course_that_never_rises_has_none() -> None:
 def test_what_was_fitted_is_marked() -> None:
     data = data_of(run_with(course(300.0, 20.0), law="coulomb", coefficient=0.6), EXPERIMENT)
     assert [datum.name for datum in data if datum.fitted] == ["start", "level"]
+    states = {"film": 0.15, "metal": 0.9, "cover": 0.6, "spread": 0.2, "seed": 1e-4, "cover_rate": 0.1}
+    data = data_of(run_with(course(300.0, 20.0), law="states", states=states), EXPERIMENT)
+    assert [datum.fitted for datum in data] == [True] * 4
 
 
 def test_the_best_constant() -> None:

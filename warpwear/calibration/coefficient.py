@@ -138,8 +138,6 @@ class WearCalibration(Repeated):
                 f"by π d₁³ d₂/(64 R): K {scientific(bulging)}, if the longer diameter d₂ lies across "
                 "sliding: the scar is then no cap"
             )
-        doubted = worn.error is not None and worn.error > worn.volume / 3.0
-        warning = "the volume is within three standard uncertainties of nothing" if doubted else None
         error = "volume_uncertainty_mm3", worn.error
         work = (("  load", "load_N", self.loads), ("  distance", "distance_mm", self.distances))
         return [
@@ -153,7 +151,7 @@ class WearCalibration(Repeated):
             Row("", "by_approximation_mm3_per_Nm", small),
             Row("  disc worn, too", "volume_of_bulging_scar_mm3", worn.bulging, digits=5, note=worn_too),
             Row("", "of_bulging_scar_mm3_per_Nm", bulging),
-            Row("  warning", "", warning),
+            Row("  warning", "", worn.doubt),
         ]
 
 

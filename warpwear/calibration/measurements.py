@@ -186,7 +186,8 @@ def check_conditions(test: MeasuredTest, named: str, study: Study) -> None:
 def conditions_of(study: Study) -> dict[str, Any]:
     """Return what a study says of a test, as a table of it has it: load, distance and lengths."""
     sliding, load = study.sliding, study.contact.load
-    lengths = {"radius": study.counter.radius, "length": sliding.stroke, "track_radius": sliding.track_radius}
+    lengths = {"radius": study.counter.nominal_radius, "length": sliding.stroke}
+    lengths["track_radius"] = sliding.track_radius
     known = {name: (size, "mm") for name, size in lengths.items() if size and math.isfinite(size)}
     return {"load": Value(load), "distance": Value(sliding.total)} | known
 

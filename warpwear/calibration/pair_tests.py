@@ -13,6 +13,7 @@ from warpwear.calibration.scatter import Scatter, ScatterModel, count_needed
 from warpwear.ensembles.datum import Datum
 from warpwear.ensembles.ensemble import Curve
 from warpwear.grid import FloatArray
+from warpwear.measured.friction.analysis import RecordStep
 
 #: Conditions over which there may be a trend -> their units.
 CONDITIONS = {"load": "N", "speed": "mm/s", "radius": "mm", "track_radius": "mm"}
@@ -20,7 +21,11 @@ CONDITIONS = {"load": "N", "speed": "mm/s", "radius": "mm", "track_radius": "mm"
 
 @dataclass(frozen=True, eq=False)
 class PairTest:
-    """A test of a pair: its conditions, its numbers with their errors, and its course of friction [m]."""
+    """A test of a pair: its conditions, its numbers with their errors, and its course of friction [m].
+
+    Conditions are those of `CONDITIONS`, distance and length of the track [mm], where they are known. Numbers
+    of a part under one load of several end in that: "level at 5 N".
+    """
 
     name: str
     conditions: Mapping[str, float]
@@ -28,6 +33,7 @@ class PairTest:
     course: Curve | None = None
     laps: float | None = None  # of the incubation
     notes: tuple[str, ...] = ()
+    steps: tuple[RecordStep, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -28,7 +28,7 @@ from warpwear.measured.friction.analysis import RecordStep, analyse
 from warpwear.measured.friction.events import events_of, laps_of
 from warpwear.measured.friction.report import notes_of
 from warpwear.measured.motion import Motion
-from warpwear.measured.options import quantity
+from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import Report
 from warpwear.measured.rows import read_rows
 from warpwear.page.folder import WrittenAsFolder, write_report
@@ -55,7 +55,8 @@ HOW = (
     f"the error of each; the prior of s is half-normal, {PRIOR:g}; {100 * HELD:g} % of next tests lie there.",
     "Left out: tests that lie in the interval that the others give. Needed: tests for the wanted error.",
     "Measured and computed: each test beside what the others say of it, in errors of both.",
-    "Places of one test, entries with one name or steps of a record, are a mean and not tests.",
+    "Places of one test, entries with one name or steps of a record, are a mean and not tests; steps under "
+    "several loads are numbers by load.",
 )
 
 
@@ -189,7 +190,7 @@ def repeats(
     wanted : float
         Standard error of a mean, as a part of it, for which tests are counted.
     load, radius, stroke, speed, columns : optional
-        How records are read, as of `read_record`: the radius is the track's.
+        How records are read, as of `read_record`: the radius is the track's, the load where none is recorded.
     preparation : dict, optional
         Keys of ``[disc]``, as text, that say how measured surfaces are read, such as ``{"pixel": "3 um"}``.
 
@@ -220,9 +221,11 @@ def repeats(
     if unknown := [name for name in at or {} if name not in CONDITIONS]:
         raise InputError(f"--at {unknown[0]} is not allowed; allowed: {', '.join(CONDITIONS)}")
     to_be = {name: quantity(f"--at {name}", value, CONDITIONS[name]) for name, value in (at or {}).items()}
-    alike = {"load": load, "track_radius": radius, "stroke": stroke, "speed": speed}
-    given = {name: value for name, value in alike.items() if value is not None}
-    read = partial(_read, given=given, columns=columns, preparation=preparation or {})
+    alike = {"track_radius": radius, "stroke": stroke, "speed": speed}
+    units = {"speed": "mm/s"}
+    given = {name: with_unit(v, units.get(name, "mm")) for name, v in alike.items() if v is not None}
+    how = {"columns": columns, "preparation": preparation or {}, "load": optional("--load", load, "N")}
+    read = partial(_read, given=given, how=how)
     taken = read(tests)
     found = _numbers_of(taken, to_be)
     for name in to_be:
@@ -236,22 +239,35 @@ def repeats(
     return RepeatedTests(tests=taken, found=found, than=other, wanted=wanted)
 
 
+def in_order(alike: dict[str, Any], **measured: Sequence[Any]) -> list[dict[str, Any]]:
+    """Make tests of what was measured in them, each kind in their order; the last may lack some.
+
+    alike: what all have, None for nothing.
+    """
+    rows = itertools.zip_longest(*measured.values())
+    tests = [alike | dict(zip(measured, row, strict=True)) for row in rows]
+    return [{key: value for key, value in test.items() if value is not None} for test in tests]
+
+
 def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[str, RepeatedNumber]:
     """Gather what several tests have measured, by name. at: conditions of the next test."""
     found = {}
-    for kind in ASKED:
+    for kind in _kinds(tests):
+        asked, at_load, load = kind.partition(" at ")
+        label, unit = ASKED[asked]
         some = tuple(test for test in tests if kind in test.values)
-        if not some or not any(test.values[kind].value for test in some):
+        if not any(test.values[kind].value for test in some):
             continue
-        known = {name: [test.conditions.get(name, math.nan) for test in some] for name in CONDITIONS}
+        varied = {*at} - {"load"} if at_load else {*at, "load"}
+        alike = [name for name in CONDITIONS if name in varied]
+        known = {name: [test.conditions.get(name, math.nan) for test in some] for name in alike}
         over = tuple(
             name
             for name, values in known.items()
-            if (name in at or name == "load")
-            and np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
+            if np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
         )
         middle = {name: math.exp(float(np.mean(np.log(known[name])))) for name in over}
-        number = RepeatedNumber(kind, some, over, {**middle, **at}, *ASKED[kind])
+        number = RepeatedNumber(kind, some, over, {**middle, **at}, f"{label}{at_load}{load}", unit)
         if not number.pair.is_known:
             told = " and ".join(over)
             raise InputError(
@@ -263,9 +279,13 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
     return found
 
 
-def _read(
-    tests: Any, *, given: Mapping[str, Any], columns: str | None, preparation: Mapping[str, Any]
-) -> tuple[PairTest, ...]:
+def _kinds(tests: Iterable[PairTest]) -> list[str]:
+    """Name the numbers that tests have, in the order of `ASKED`."""
+    kinds = dict.fromkeys(kind for test in tests for kind in test.values)
+    return sorted(kinds, key=lambda kind: [*ASKED].index(kind.partition(" at ")[0]))
+
+
+def _read(tests: Any, *, given: Mapping[str, Any], how: Mapping[str, Any]) -> tuple[PairTest, ...]:
     """Read tests; entries of one name are places of one. Raises InputError."""
     entries: dict[str, list[PairTest]] = {}
     for item in [tests] if isinstance(tests, str | Path | Mapping) else tests:
@@ -275,41 +295,51 @@ def _read(
             name = test.name or (Path(test.record).stem if isinstance(test.record, str | Path) else "")
             if not test.name and (not name or name in entries):
                 name = f"{name} {len(entries) + 1}".strip() if name else f"test.{len(entries) + 1}"
-            entries.setdefault(name, []).extend(_places(test, name, named, columns, preparation))
+            entries.setdefault(name, []).extend(_places(test, name, named, how))
+    _name_loads(entries)
     return tuple(_together(name, places) for name, places in entries.items())
 
 
-def _places(
-    test: MeasuredTest, name: str, named: str, columns: str | None, preparation: Mapping[str, Any]
-) -> list[PairTest]:
-    """Read what was measured in one entry: a place for each step of a record, the first with what is worn."""
-    steps, notes = _steps(test, columns)
-    sizes = {key: getattr(test, key) for key in CONDITIONS}
+def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -> list[PairTest]:
+    """Read what was measured in one entry: the whole with what is worn, and a place for each step."""
+    steps, notes = _steps(test, how)
+    sizes = {key: getattr(test, key) for key in (*CONDITIONS, "distance", "length")}
     known = {key: size.value if isinstance(size, Value) else size for key, size in sizes.items() if size}
-    slid = test.distance or Value(sum(float(step.course.distance[-1]) for step in steps))
-    places = [_of_step(step, name, known) for step in steps] or [PairTest(name, known, {})]
-    values = dict(places[0].values)
+    places = [_of_step(step, name, known) for step in steps]
+    whole = {"load": how["load"] or math.nan}
+    if steps:
+        slid = sum(step.slid for step in steps)
+        work = sum((step.load or whole["load"]) * step.slid for step in steps)
+        whole = {**places[0].conditions, "load": work / slid, "distance": slid}
+        if len({step.track for step in steps}) > 1:
+            whole.pop("length", None)  # of several tracks
+    if test.track_radius:
+        whole["length"] = 2.0 * math.pi * test.track_radius
+    whole |= known
+    test = test.model_copy(update={"length": whole.get("length")})
+    values = {}
     if test.friction and test.friction.at:
         raise InputError(f"{named}.friction is at a distance: allowed is that of the whole test")
-    if test.friction is not None:
-        values.setdefault("level", test.friction)
-    work = test.load or Value(places[0].conditions.get("load", 0.0)), slid
+    if test.friction is not None and not any("level" in place.values for place in places):
+        values["level"] = test.friction
+    both = [getattr(test, key) or Value(whole.get(key, math.nan)) for key in ("load", "distance")]
     for source in sources_of(test):
         kind = "_".join(filter(None, ("k", SOURCES[source].worn)))
         if kind in values:
             raise InputError(f"{named}.{source} is of a body whose wear is given already: give one of both")
-        if not all(each.value for each in work):
+        if not all(each.value > 0.0 for each in both):
             raise InputError(f"{named}.{source} needs a load and a distance: K is V/(F L)")
-        how = preparation if SOURCES[source].file else {}
-        worn = worn_volume(test, source, named, preparation=how)
-        k = 1e3 * worn.volume / (work[0].value * work[1].value)
-        parts = [(each.error or 0.0) / each.value for each in work]
+        prepared = how["preparation"] if SOURCES[source].file else {}
+        worn = worn_volume(test, source, named, preparation=prepared)
+        k = 1e3 * worn.volume / (both[0].value * both[1].value)
+        parts = [(each.error or 0.0) / each.value for each in both]
         error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
         values[kind] = Value(k, error)
-    return [replace(places[0], values=values, notes=notes), *places[1:]]
+        notes += (f"of {source} {worn.doubt}",) if worn.doubt else ()
+    return [PairTest(name, whole, values, notes=notes, steps=steps), *places]
 
 
-def _steps(test: MeasuredTest, columns: str | None) -> tuple[tuple[RecordStep, ...], tuple[str, ...]]:
+def _steps(test: MeasuredTest, how: Mapping[str, Any]) -> tuple[tuple[RecordStep, ...], tuple[str, ...]]:
     """Analyse the record of a test, and say what is doubtful in it. Raises InputError."""
     if isinstance(test.record, Experiment):
         laps = laps_of(test.record, None)
@@ -317,7 +347,8 @@ def _steps(test: MeasuredTest, columns: str | None) -> tuple[tuple[RecordStep, .
     if test.record is None:
         return (), ()
     sizes = {name: size.value for name in ("stroke", "speed", "load") if (size := getattr(test, name))}
-    analysis = analyse(read_rows(test.record, columns), Motion(radius=test.track_radius, **sizes))
+    motion = Motion(radius=test.track_radius, **({"load": how["load"]} | sizes))
+    analysis = analyse(read_rows(test.record, how["columns"]), motion)
     return analysis.steps, tuple(notes_of(analysis)[0].value)
 
 
@@ -332,20 +363,39 @@ def _of_step(step: RecordStep, name: str, known: Mapping[str, float]) -> PairTes
         count = laps.count(events.jump.start)
         if events.steady is not None:
             values["overshoot"] = Value(events.overshoot or 0.0, events.steady.error)
-    conditions = {**({"load": step.load} if step.load else {}), **known}
-    return PairTest(name, conditions, values, (1e-3 * laps.distance, laps.cof), count)
+    own = {"load": step.load, "speed": step.speed, "length": step.track}
+    conditions = {key: size for key, size in own.items() if size} | dict(known)
+    return PairTest(name, conditions, values, (1e-3 * (step.before + laps.distance), laps.cof), count)
+
+
+def _name_loads(entries: dict[str, list[PairTest]]) -> None:
+    """Name numbers of steps of a record under several loads by these, alike where they differ by little."""
+    steps = {name: [one for one in places if one.course] for name, places in entries.items()}
+    found = {name: [one.conditions.get("load", math.nan) for one in some] for name, some in steps.items()}
+    several = {name for name, loads in found.items() if loads and np.max(loads) > (1.0 + OFF) * np.min(loads)}
+    loads = np.sort(np.concatenate([np.zeros(0), *(found[name] for name in several)]))
+    apart = np.flatnonzero(loads[1:] > (1.0 + OFF) * loads[:-1]) + 1
+    named = {load: f"{group.mean():.3g} N" for group in np.split(loads, apart) for load in group.tolist()}
+    for name in several:
+        entries[name] = [
+            replace(one, values={f"{kind} at {named[load]}": value for kind, value in one.values.items()})
+            if one.course and (load := one.conditions["load"])
+            else one
+            for one in entries[name]
+        ]
 
 
 def _together(name: str, places: Sequence[PairTest]) -> PairTest:
     """Make one test of its places: means, with the larger of their scatter's and their own error."""
     values = {}
-    for kind in ASKED:
-        if some := [place.values[kind] for place in places if kind in place.values]:
-            mean = Scatter(*zip(*((value, error) for value, error, _ in some), strict=True))
-            values[kind] = Value(mean.mean, mean.error)
+    for kind in _kinds(places):
+        some = [place.values[kind] for place in places if kind in place.values]
+        mean = Scatter(*zip(*((value, error) for value, error, _ in some), strict=True))
+        values[kind] = Value(mean.mean, mean.error)
     rows = tuple(EnsembleRow(name, {}, {"cof": place.course}) for place in places if place.course)
     course, counts = Group(name, rows).courses("cof"), [place.laps for place in places if place.laps]
     mean_course = course and (course[0], np.nanmean(course[1], axis=0))
     laps = sum(counts) / len(counts) if counts else None
     notes = tuple(dict.fromkeys(itertools.chain(*(place.notes for place in places))))
-    return PairTest(name, places[0].conditions, values, mean_course, laps, notes)
+    steps = tuple(itertools.chain(*(place.steps for place in places)))
+    return PairTest(name, places[0].conditions, values, mean_course, laps, notes, steps)

@@ -42,8 +42,9 @@ def sentence(tests: Sequence[Any], told: Mapping[str, Mapping[str, Any]]) -> str
     parts, count = [], 0
     for name, row in told.items():
         some = f" (n = {row['n']})" * (row["n"] != count)
-        if name in SYMBOLS:
-            parts.append(f"{SYMBOLS[name]} {with_s(row)}{some}")
+        kind, under, load = name.partition(" at ")
+        if kind in SYMBOLS:
+            parts.append(f"{SYMBOLS[kind]} {with_s(row)}{under}{load}{some}")
         elif name == "incubation":
             having = [test for test in tests if name in test.values]
             laps = [test.laps for test in having if test.laps]

@@ -10,7 +10,7 @@ from warpwear.measured.course import experiment_of
 from warpwear.measured.friction.analysis import lap_of
 from warpwear.measured.friction.report import labelled
 from warpwear.measured.friction.states import StatesFit, fit_states, part_of, states_rows
-from warpwear.measured.motion import Motion
+from warpwear.measured.motion import motion_of
 from warpwear.measured.options import optional
 from warpwear.measured.report import Report
 from warpwear.measured.rows import read_rows
@@ -111,10 +111,8 @@ def calibrate_states(
     >>> round(wait)
     41
     """
-    lengths = {"radius": radius, "stroke": stroke}
-    known = {name: optional(f"--{name}", text, "mm") for name, text in lengths.items()}
-    speeds = {"speed": optional("--speed", speed, "mm/s"), "load": optional("--load", load, "N")}
-    motion, end = Motion(**known, **speeds), optional("--until", until, "mm")
+    motion = motion_of(radius=radius, stroke=stroke, speed=speed, load=load)
+    end = optional("--until", until, "mm")
     parts = {}
     for path in several(experiments):
         rows = read_rows(path, columns)

@@ -37,6 +37,12 @@ class WornVolume:
     depth: float | None = None
     measured: str = ""
 
+    @property
+    def doubt(self) -> str | None:
+        """Say that it may be nothing; None where it is not."""
+        doubted = self.error is not None and self.error > self.volume / 3.0
+        return "the volume is within three standard uncertainties of nothing" if doubted else None
+
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
     """Take a volume [mm³] as it was measured elsewhere, with its standard uncertainty [mm³] or None."""

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli import places
-from warpwear.cli.options import AS_JSON, COLUMNS, DEVICE, EXPERIMENTS, PATH, repeated, together
+from warpwear.cli.options import AS_JSON, COLUMNS, DEVICE, EXPERIMENTS, MEASURED, PATH, repeated, together
 from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 from warpwear.cli.surface import prepared, with_preparation
 
@@ -32,17 +32,6 @@ SOURCES = together(
     repeated("--ball", "FILE", "Topography of a worn ball, with or without --radius.", type=PATH),
     with_preparation(level=LEVEL),
 )
-
-#: Option of a measured value -> its name in the inference, and its help.
-MEASURED = {
-    "--volume-counter": ("volume_counter", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
-    "--volume-disc": ("volume_disc", "Worn volume of the disc."),
-    "--section": ("section", "Mean cross-section of the groove, e.g. '812 +- 30 um^2'."),
-    "--scar": ("scar", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
-    "--sq-counter": ("sq_counter", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
-    "--sq-disc": ("sq_disc", "Sq in the scar of the disc."),
-    "--cof": ("friction", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
-}
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -164,7 +153,7 @@ def loop(**options: Any) -> None:
 @repeated("--unknown", "KEY[=PRIOR]", "Key, prior as in a sweep.", default="a factor of 5 about its value")
 @EXPERIMENTS
 @COLUMNS
-@together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
+@together(*MEASURED.values())
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
 @repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
@@ -193,6 +182,6 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     A value measured in repeated tests is given repeatedly. What was measured may stand in STUDY too, in
     tables [[test]], and unknowns and tests to rank in its section [infer].
     """
-    measured = {name: options.pop(name) for name, _ in MEASURED.values()}
+    measured = {name: options.pop(name) for name in MEASURED}
     changed = parsed_changes(changes)
     click.echo(places.inference_command.calibrate_bayes(study, changed, measured=measured, **options))

@@ -23,7 +23,25 @@ def together(*options: Option) -> Option:
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
-FOLDER = click.argument("folder", metavar="DIR", type=PATH)
+_TEXTS = {
+    "volume_counter": "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'.",
+    "volume_disc": "Worn volume of the disc.",
+    "section": "Mean cross-section of the groove, e.g. '812 +- 30 um^2'.",
+    "scar": "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'.",
+    "sq_counter": "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'.",
+    "sq_disc": "Sq in the scar of the disc.",
+}
+#: Key of a test -> the option of its measured value.
+MEASURED = {k: repeated(f"--{k.replace('_', '-')}", "X+-U", text) for k, text in _TEXTS.items()}
+MEASURED["friction"] = repeated(
+    "--cof", "X+-U", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'.", "friction", default="at the end"
+)
+#: The same for what is measured in tests beside their records, in the order of the tests.
+IN_TESTS = {
+    "profile": repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
+    "ball": repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
+} | {key: MEASURED[key] for key in ("volume_counter", "volume_disc", "section", "scar")}
+FOLDER = FOLDER = click.argument("folder", metavar="DIR", type=PATH)
 DETAILS = click.option("--details", is_flag=True, help="Print all lines, not the ten that say most.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")

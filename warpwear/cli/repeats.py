@@ -5,13 +5,17 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import FORMAT, PATH, repeated
+from warpwear.cli.options import FORMAT, IN_TESTS, PATH, repeated, together
 from warpwear.cli.places import repeated_tests, written
 from warpwear.cli.surface import prepared, with_preparation
 
 
 @click.command()
-@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=PATH)
+@click.argument("files", metavar="FILE...", nargs=-1, type=PATH)
+@together(*IN_TESTS.values())
+@click.option("--ball-radius", help="--scar, --ball: of the unworn ball, e.g. '3 mm'.")
+@click.option("--length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
+@click.option("--distance", help="Sliding distance, where there is no record.")
 @click.option("--radius", help="Radius of the track, e.g. '6 mm'.")
 @click.option("--stroke", help="Length of one stroke, where there is no position.")
 @click.option("--speed", help="Sliding speed, where there is a time alone.")
@@ -29,13 +33,20 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
     """Bring several tests of one pair into one answer: mean, scatter, and where the next test will lie.
 
     A FILE is a tribometer's record, one a test, or a TOML file with tables [[test]]: record, profile, scar,
-    volume and conditions of each. Prints the sentence for a paper; level, incubation, jump, overshoot
+    volume and conditions of each. Scars, profiles and volumes may be given here, too, in the order of the
+    tests. Prints the sentence for a paper; level, incubation, jump, overshoot
     and wear coefficients with their scatter and the next test's interval; and which test the others
     foretell the worst.
 
     \b
-    warpwear repeats test-1.csv test-2.csv test-3.csv --radius "6 mm"
+    warpwear repeats test-1.csv test-2.csv --profile track-1.txt --profile track-2.txt --radius "6 mm"
     """
+    tests: Any = files
+    measured = {key: options.pop(key) for key in IN_TESTS}
+    sizes = {key: options.pop(key) for key in ("length", "distance")}
+    sizes["radius"] = options.pop("ball_radius")
+    if any(measured.values()) or any(sizes.values()):
+        tests = repeated_tests.in_order(sizes, record=files, **measured)
     preparation, as_json = prepared(options), options.pop("as_json")
     how = {"file_format": options.pop("file_format"), "overwrite": options.pop("overwrite")}
     out = options.pop("out")
@@ -45,7 +56,7 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
     if folder is not None:
         repeated_tests.check_out(folder, **how)
     at = dict(text.partition("=")[::2] for text in options.pop("at"))
-    report = repeated_tests.repeats(files, at=at, preparation=preparation, **options)
+    report = repeated_tests.repeats(tests, at=at, preparation=preparation, **options)
     if folder is not None:
         report.write(folder, **how)
         end = f"\nwritten to {folder}/: repeats.html, repeats.csv, repeats.json, figure"

@@ -1,11 +1,12 @@
 """The commands `warpwear studies`, `show` and `materials`, and how a command reads its study."""
 
+from pathlib import Path
 from typing import Any
 
 import click
 
 from warpwear.cli.options import repeated
-from warpwear.cli.places import known, study_files, study_types
+from warpwear.cli.places import known, results, study_files, study_types
 from warpwear.errors import InputError
 
 STUDY = "STUDY is a TOML file, a run folder or the name of a preset (see 'warpwear studies')."
@@ -52,11 +53,18 @@ def load_study(study: str, changes: tuple[str, ...]) -> Any:
 
 
 def parsed_changes(changes: tuple[str, ...]) -> dict[str, Any]:
-    """Return changes of a study from texts KEY=VALUE. Raises InputError for bad ones."""
+    """Return changes of a study from texts KEY=VALUE. Raises InputError for bad ones.
+
+    For a shear strength may stand the folder of a run, which found one.
+    """
     parsed = {}
     for change in changes:
         key, equals, value = change.partition("=")
         if not equals:
             raise InputError(f"--set {change!r}: KEY=VALUE is expected, such as grid.cell='2 um'.")
-        parsed[key.strip()] = study_files.value_of_text(value.strip())
+        key, value = key.strip(), value.strip()
+        if key == "friction.shear_strength" and Path(value).is_dir():
+            with results.Result.open(Path(value)) as run:
+                value = f"{run.summary['shear_strength_MPa']} MPa"
+        parsed[key] = study_files.value_of_text(value)
     return parsed

@@ -24,7 +24,7 @@ MOST = 6
 def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
     """Set a measured course beside that of a run: its start, its rise where it jumps, its level.
 
-    A rise is known to the length that it takes. A level that is the run's input is marked as fitted.
+    A rise is known to the length that it takes. What is the run's input is marked as fitted.
     """
     course = run.courses.get("cof")
     if course is None or rms_difference(course, experiment.course) is None:
@@ -38,7 +38,7 @@ def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
     first, whole = float(experiment.distance[0]), float(experiment.distance[-1])
     until = jump.start if jump else first + START * (whole - first)
     friction = run.study.friction
-    inputs = {"level": friction.ends_as_given, "start": friction.fitted in ("initial", "coulomb")}
+    inputs = {"level": friction.ends_as_given, "start": friction.fitted in ("initial", "coulomb", "states")}
 
     def of_cof(name: str, measured: float, computed: float, error: float = 0.0) -> Datum:
         return Datum(name, measured, computed, math.hypot(error, COF_ERROR * measured), "", inputs[name])
@@ -48,9 +48,9 @@ def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
         length = jump.end - jump.start
         levels = jump.low + np.array([0.1, 0.5, 0.9]) * (jump.high - jump.low)
         low, half, high = (_first(course, float(level)) for level in levels)
-        error = max(length, laps.length)
-        rows.append(Datum("place of the rise", 0.5 * (jump.start + jump.end), half, error, "mm"))
-        rows.append(Datum("length of the rise", length, high - low, error, "mm"))
+        error, is_input = max(length, laps.length), friction.fitted == "states"
+        rows.append(Datum("place of the rise", 0.5 * (jump.start + jump.end), half, error, "mm", is_input))
+        rows.append(Datum("length of the rise", length, high - low, error, "mm", is_input))
     if steady is not None and end > steady.start:
         level = steady.value - 0.5 * steady.drift  # the mean, and not the end, of its line
         rows.append(of_cof("level", level, _mean(course, steady.start, steady.end), steady.error))

@@ -36,7 +36,8 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     for way, key in ways.items():
         if inputs := [r.name for r in runs if r.study.friction.fitted == way and "cof" in r.courses]:
             yield (
-                f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.{key}), "
+                f"The CoF {'at the end ' * (way == 'end')}of {listed(inputs, len(runs))} is an input "
+                f"(friction.{key}), "
                 "not a result: compare the shear strengths, or run all with one friction.shear_strength."
             )
     yield from told([(run, NO_COF) for run in runs if "cof" not in run.courses], len(runs))

@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import warnings
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -12,11 +13,13 @@ from typing import Any
 
 import numpy as np
 import tomlkit
-from tomlkit.items import Table
+from tomlkit.items import Item, Table
 
-from warpwear.errors import InputError, escaped, explained, named_in_python, unescaped
+from warpwear import lazy
+from warpwear.errors import InputError, StudyWarning, escaped, explained, named_in_python, unescaped
 from warpwear.laws.elastic import asperities
 from warpwear.runs.plan import contacts_of
+from warpwear.study.keys import dotted, value_of
 from warpwear.study.loading import change
 from warpwear.study.rules_track import summits, widths_with
 from warpwear.study.study import Study
@@ -24,6 +27,9 @@ from warpwear.study.surface import surface_of
 from warpwear.study.units import parse
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
+
+filling = lazy.module("warpwear.drafts.from_tests")
+measurements = lazy.module("warpwear.calibration.measurements")
 
 #: Extent of the domain over the width of the contact that smooth bodies are expected to have.
 MARGIN = 1.3
@@ -40,6 +46,8 @@ COLUMN = 32
 MOST_SIDE = 2000
 #: A commented table, and keys that were set below it, which are the section's above.
 _BELOW_COMMENT = re.compile(r"(^\n(?:^# .*\n)+)((?:^\w+ = .*\n)+)", re.MULTILINE)
+#: A section right below the last key of another.
+_CLOSE = re.compile(r"(?<!\n)\n\[")
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -51,6 +59,9 @@ def new_study(
     like: str = "reciprocating",
     surface: str | Path | None = None,
     changes: Mapping[str, Any] | None = None,
+    tests: Any = None,
+    columns: str | None = None,
+    preparation: Mapping[str, Any] | None = None,
     overwrite: bool = False,
 ) -> Study:
     """Make a study of a rig, with the keys that such a test needs, and write it as a commented file.
@@ -66,6 +77,12 @@ def new_study(
         synthetic surface is used.
     changes
         Keys to change, by their names with dots, as `Study.replace` takes them.
+    tests
+        Tests of one pair, as `repeats` takes them, that fill in load, way, speed, distance, wear coefficients
+        and friction; each comment says where a number is from. In a TOML file of tests there may be sections
+        of a study, too, as changes. What neither says is refused by name.
+    columns, preparation
+        How records and profiles of tests are read, as of `repeats`.
     overwrite
         Whether to replace the file that is there.
 
@@ -77,7 +94,7 @@ def new_study(
     Raises
     ------
     InputError
-        For what is no study, and for a file that is there; nothing is written then.
+        For what is no study or says too little of one, and for a file that is there; nothing is written then.
 
     Examples
     --------
@@ -94,8 +111,20 @@ def new_study(
         raise InputError(f"{file} is no file that can be replaced; give another name.")
     if path is not None and file.exists() and not overwrite:
         raise InputError(f"{file} is there already; --overwrite replaces it.")
-    place = None if surface is None else Path(surface)
-    text = draft(like, name=file.stem, folder=file.parent, surface=place, changes=changes)
+    of_file: Any = {"name": file.stem, "folder": file.parent, "surface": surface and Path(surface)}
+    given, origins = dict(changes or {}), None
+    if tests is not None:
+        origins = dict.fromkeys(given, "given")
+        if isinstance(tests, str | Path):
+            sections, tests = measurements.in_file(tests)
+            own = dotted({name: keys for name, keys in sections.items() if name not in ("infer", "sweep")})
+            origins, given = dict.fromkeys(own, "given beside the tests") | origins, own | given
+        example, how = Study.stored(draft(like, **of_file, changes=given)), (columns, preparation)
+        filled, origins, doubts = filling.from_tests(tests, like, example, origins, *how)
+        given = filled | given
+        for doubt in doubts:
+            warnings.warn(doubt, StudyWarning, stacklevel=2)
+    text = draft(like, **of_file, changes=given, origins=origins)
     if path is None:
         return Study.stored(text)
     with explained(f"{file} cannot be written"):
@@ -122,12 +151,14 @@ def draft(
     folder: Path,
     surface: Path | None = None,
     changes: Mapping[str, Any] | None = None,
+    origins: Mapping[str, str] | None = None,
 ) -> str:
     """Return the text of a study of a kind of rig.
 
     folder: where it will lie, to which the measured surface's path is relative. changes: dotted keys to
-    values, which replace those of the draft. Cell and extent follow from the surface's pixel and the
-    contact's width where they are not among the changes. Raises InputError for what is no study.
+    values, which replace those of the draft. origins: where each is from, of a study of tests, which has no
+    examples. Cell and extent follow from the surface's pixel and the contact's width where they are not among
+    the changes. Raises InputError for what is no study.
     """
     document: Any = tomlkit.parse((resources.files("warpwear") / RIGS[kind]).read_text(encoding="utf-8"))
     document["study"].pop("description", None)  # of the preset
@@ -135,7 +166,11 @@ def draft(
     if surface is not None:
         document["disc"].pop("synthetic", None)
         wanted["disc.surface"] = escaped(os.path.relpath(surface, folder))
+    if origins is not None:
+        document["sliding"].pop("frequency", None)  # of no test
     change(document, wanted)
+    if origins is not None:
+        _explain(document, wanted, origins)
     if not all(isinstance(section, dict) for section in document.values()):
         Study(**document.unwrap())  # refuses a value in the place of a section
     if "sliding.track" not in wanted and _is_longer_than_lap(document["sliding"]):
@@ -145,7 +180,18 @@ def draft(
     change(document, _grid(document, wanted, folder))
     _study(document.unwrap(), folder)  # what is no study is refused before anything is written
     _align(document)
-    return _BELOW_COMMENT.sub(r"\2\1", tomlkit.dumps(document))
+    return _CLOSE.sub("\n\n[", _BELOW_COMMENT.sub(r"\2\1", tomlkit.dumps(document)))
+
+
+def _explain(document: Any, wanted: Mapping[str, Any], origins: Mapping[str, str]) -> None:
+    """Say behind each number where it is from. Raises InputError where that is nowhere."""
+    if left := filling.unknown(document, wanted):
+        names = ", ".join(example.partition("=")[0] for example in left)
+        raise InputError(f"no file says {names}: give each as a change, such as --set {left[0]}")
+    for name, origin in origins.items():
+        item = value_of(document, name)
+        if isinstance(item, Item):
+            item.comment(origin)
 
 
 def _unlined(document: Any) -> None:
@@ -157,12 +203,13 @@ def _unlined(document: Any) -> None:
         side.comment("wider than the contact at the end")
 
 
-def _align(document: Any) -> None:
+def _align(tables: Any) -> None:
     """Begin the comments of a draft at one column again, after values of other lengths."""
-    for section in document.values():
-        for key, item in section.items() if isinstance(section, Table) else ():
-            if item.trivia.comment and not isinstance(item, Table):
-                item.trivia.comment_ws = " " * max(COLUMN - len(f"{key} = {item.as_string()}"), 2)
+    for key, item in tables.items():
+        if isinstance(item, Table):
+            _align(item)
+        elif isinstance(item, Item) and item.trivia.comment:
+            item.trivia.comment_ws = " " * max(COLUMN - len(f"{key} = {item.as_string()}"), 2)
 
 
 def _study(sections: dict[str, Any], folder: Path) -> Study:

@@ -49,9 +49,11 @@ class RecordRows:
     warnings: tuple[str, ...] = ()
 
     def of_step(self, number: int) -> "RecordRows":
-        """Return the rows of one step, by its number from 0."""
+        """Return the rows of one step, by its number from 0; all but the first count from their beginning."""
         inside = self.step == number
         table = {role: values[inside] for role, values in self.table.items()}
+        for role in set(COUNTED) & table.keys() if number else ():
+            table[role] = table[role] - np.append(table[role][np.isfinite(table[role])], 0.0)[0]
         step = np.zeros(np.count_nonzero(inside), dtype=np.intp)
         return replace(self, table=table, step=step, steps=(self.steps[number],))
 

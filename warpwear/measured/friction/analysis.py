@@ -12,7 +12,7 @@ from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
 from warpwear.measured.friction.states import SPAN, StatesFit, fit_states, part_of
-from warpwear.measured.motion import Motion, sliding_distance, spans
+from warpwear.measured.motion import Motion, moving, sliding_distance, spans
 from warpwear.measured.rows import UNLOADED, RecordRows
 from warpwear.measured.tribometer import alternates, turning_points
 
@@ -26,7 +26,8 @@ class RecordStep:
 
     load: median normal force [N], energy: load × coefficient over the distance slid [J], None where the load
     is not known. before: distance slid in the steps before [mm]. states: constants of a course that jumps.
-    others: name and unit of a further column -> its means, (groups,), NaN where there are none.
+    others: name and unit of a further column -> its means, (groups,), NaN where there are none. speed: of
+    sliding [mm/s]; track: length of the circle or stroke [mm]; None where neither file nor person says them.
     """
 
     name: str
@@ -38,6 +39,14 @@ class RecordStep:
     before: float
     states: StatesFit | None = None
     others: Mapping[str, FloatArray] = field(default_factory=dict)
+    speed: float | None = None
+    track: float | None = None
+
+    @property
+    def slid(self) -> float:
+        """Return the distance slid [mm]: to the end of the last cycle, of which a course has the middle."""
+        half = 0.0 if self.course.cycles is None else 0.5 * self.laps.length
+        return float(self.course.distance[-1]) + half
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +115,20 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     if events.jump is not None:
         with suppress(InputError):  # a jump of another kind
             (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
-    return RecordStep(name, course, laps, events, load, energy, before, states, _others(rows, motion, laps))
+    others, speed = _others(rows, motion, laps), _speed(rows, motion, course)
+    turns = motion.radius is not None or {"radius", "laps"} & rows.table.keys()  # a cycle may be to and fro
+    track = 0.5 * laps.length if by_cycles else motion.stroke or (lap if turns else None)
+    return RecordStep(name, course, laps, events, load, energy, before, states, others, speed, track)
+
+
+def _speed(rows: RecordRows, motion: Motion, course: Experiment) -> float | None:
+    """Return the speed of sliding [mm/s]: the median of what moves, or distance over time."""
+    table = moving(rows)[0].table
+    speeds = np.abs(table.get("speed", np.zeros(0)))
+    if motion.speed is not None or np.isfinite(speeds).any():
+        return motion.speed or float(np.nanmedian(speeds))
+    seconds = spans(table["time"])[0] if "time" in table else 0.0
+    return float(np.ptp(course.distance)) / seconds if seconds > 0.0 else None
 
 
 def _others(rows: RecordRows, motion: Motion, laps: LapMeans) -> dict[str, FloatArray]:

@@ -1,5 +1,7 @@
 """Draw a record of friction: its course with scatter, jump and steady value, and friction loops."""
 
+import math
+
 import numpy as np
 
 from warpwear.figures import describe
@@ -16,12 +18,26 @@ def figures_of(analysis: Analysis) -> dict[str, Figure]:
 
 
 def course_figure(analysis: Analysis) -> Figure:
-    """Draw the coefficient of friction over the distance: means of laps, their scatter, what happens."""
-    lines: list[Line | Level] = []
-    for number, step in enumerate(analysis.steps):
-        lines += _lines(step, first=number == 0, second=number == 1)
+    """Draw the coefficient of friction over the distance: means of laps, their scatter, what happens.
+
+    Each step of a recipe has a panel.
+    """
+    steps = analysis.steps
+    highest = max(float(step.laps.cof.max()) for step in steps)
+    y = Axis("coefficient of friction, –", low=0.0, high=1.1 * highest if len(steps) > 1 else None)
+    charts = [
+        Chart(
+            f"Step {step.name}" if len(steps) > 1 else "Coefficient of friction",
+            Axis("distance slid, m", low=0.0 if number == 0 else 1e-3 * step.before),
+            y,
+            _lines(step, first=number == 0),
+            note=f"step {step.name}" + (f", {step.load:.3g} N" if step.load else "")
+            if len(steps) > 1
+            else "",
+        )
+        for number, step in enumerate(steps)
+    ]
     x = Axis("distance slid, m", low=0.0)
-    chart = Chart("Coefficient of friction", x, Axis("coefficient of friction, –", low=0.0), lines)
     names = dict.fromkeys(name for step in analysis.steps for name in step.others)
     others = [
         Chart(
@@ -35,10 +51,11 @@ def course_figure(analysis: Analysis) -> Figure:
         )
         for name in names
     ]
-    return Figure([chart, *others], 1, legend=5, width=describe.PAGE, height=3.0)
+    columns = math.ceil(math.sqrt(len(steps)))
+    return Figure([*charts, *others], columns, legend=5, width=describe.PAGE, height=3.0)
 
 
-def _lines(step: RecordStep, *, first: bool, second: bool) -> list[Line | Level]:
+def _lines(step: RecordStep, *, first: bool) -> list[Line | Level]:
     laps, events = step.laps, step.events
     x = 1e-3 * (step.before + laps.distance)
     spread = np.nan_to_num(laps.scatter)
@@ -60,10 +77,6 @@ def _lines(step: RecordStep, *, first: bool, second: bool) -> list[Line | Level]
         for at, label in ((events.jump.start, "10 and 90 % of the jump"), (events.jump.end, "")):
             place = 1e-3 * (step.before + at)
             lines.append(Level(place, label if first else "", Look(describe.NEUTRAL, "dash", 0.8), "x"))
-    if not first:
-        lines.append(
-            Level(1e-3 * step.before, "a step begins" * second, Look(describe.NEUTRAL, "dot", 0.8), "x")
-        )
     return lines
 
 

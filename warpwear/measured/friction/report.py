@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import FEWEST, LEAST, PENALTY, Steady, line_with_error
 from warpwear.measured.friction.states import states_rows, states_text
-from warpwear.results.report import Row
+from warpwear.results.report import Row, aligned, shown
 from warpwear.results.report import record as record_of
 
 #: Fewer independent means, or a last level of a smaller part of the course, make a steady value doubtful.
@@ -40,7 +41,9 @@ def rows_of(analysis: Analysis) -> list[Row]:
     if len(analysis.steps) == 1:
         body = step_rows(analysis.steps[0])
     else:
-        body = []
+        heads, *texts = aligned(_table_of_steps(analysis.steps))
+        body = [Row("steps", "", heads)]
+        body += [Row(f"  {step.name}", "", text) for step, text in zip(analysis.steps, texts, strict=True)]
         for step in analysis.steps:
             body += [Row(f"step {step.name}", "", ""), *labelled(step_rows(step))]
         body.append(Row("", "steps", [record_of(step_rows(step)) for step in analysis.steps]))
@@ -50,6 +53,22 @@ def rows_of(analysis: Analysis) -> list[Row]:
     if loops:
         loops.append(Row("", "loops_mJ", {str(loop.cycle): loop.energy for loop in analysis.loops}))
     return [*head, *body, *loops, *notes_of(analysis)]
+
+
+def _table_of_steps(steps: Sequence[RecordStep]) -> list[list[str]]:
+    """Write what each step comes to, a row a step."""
+    names = [*dict.fromkeys(name for step in steps for name in step.others)]
+    cells = [["load, N", "distance, m", "steady value", "jump at, m", "energy, J"]]
+    cells[0] += [name.replace(" [", ", ").replace("]", "/m") for name in names]
+    for step in steps:
+        steady, jump = step.events.steady, step.events.jump
+        level = Row("", "", steady.value, error=steady.error) if steady else Row("", "", None)
+        told = [name in step.others and _other_rows(name, step.others[name], step) for name in names]
+        rates = [rows[0].value[1].number if rows else "–" for rows in told]
+        numbers = [step.load, 1e-3 * step.slid, jump and 1e-3 * jump.start, step.energy]
+        load, length, start, energy = (shown(number) for number in numbers)
+        cells.append([load, length, level.number, start, energy, *rates])
+    return cells
 
 
 def labelled(rows: list[Row]) -> list[Row]:
@@ -185,25 +204,21 @@ def _length(label: str, key: str, length: float, step: RecordStep, note: str = "
 
 def table_of(analysis: Analysis) -> str:
     """Write the course as a table, units in the header: a row a lap, cycle or group of them."""
-    several = len(analysis.steps) > 1
-    unit = next((step.laps.unit for step in analysis.steps if step.laps.laps is not None), None)
-    head = ["Distance [mm]", "CoF [-]", "Scatter of CoF [-]", "Points"]
-    others = [*dict.fromkeys(name for step in analysis.steps for name in step.others)]
-    head += ([f"{unit.capitalize()} [-]"] if unit else []) + others + ["Step"] * several
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(head)
-    for number, step in enumerate(analysis.steps):
+    steps, text = analysis.steps, io.StringIO()
+    unit = next((step.laps.unit for step in steps if step.laps.laps is not None), None)
+    others = [*dict.fromkeys(name for step in steps for name in step.others)]
+    head = ["Distance [mm]", "CoF [-]", "Scatter of CoF [-]", "Points", *others]
+    head[4:4] = [f"{unit.capitalize()} [-]"] if unit else []
+    head += ["Step"] * (len(steps) > 1)
+    writer = csv.DictWriter(text, head, restval="", extrasaction="ignore")
+    writer.writeheader()
+    for number, step in enumerate(steps):
         laps = step.laps
+        columns = {head[0]: step.before + laps.distance, head[1]: laps.cof, head[2]: laps.scatter}
         for k in range(laps.cof.size):
-            row: list[Any] = [repr(float(step.before + laps.distance[k])), repr(float(laps.cof[k]))]
-            row.append("" if math.isnan(laps.scatter[k]) else repr(float(laps.scatter[k])))
-            row.append(int(laps.points[k]))
-            if unit:
-                count = laps.count(float(laps.distance[k]))
-                row.append("" if count is None else f"{count:.6g}")
-            for name in others:
-                mean = step.others[name][k] if name in step.others else math.nan
-                row.append("" if math.isnan(mean) else repr(float(mean)))
-            writer.writerow([*row, *([step.name or number + 1] if several else [])])
+            values = {name: float(column[k]) for name, column in (columns | dict(step.others)).items()}
+            row: dict[str, Any] = {name: repr(v) for name, v in values.items() if not math.isnan(v)}
+            count = laps.count(float(laps.distance[k]))
+            row |= {"Points": int(laps.points[k]), "Step": step.name or number + 1}
+            writer.writerow(row | ({head[4]: f"{count:.6g}"} if count is not None else {}))
     return text.getvalue()

@@ -220,7 +220,7 @@ def _together(residual: FloatArray) -> float:
     return tau
 
 
-def _untold(fit: StatesFit) -> list[str]:
+def untold(fit: StatesFit) -> list[str]:
     """List the constants that a course does not tell to a half."""
     return [name for name in UNTOLD if fit.numbers[name][1] > 0.5 * abs(fit.numbers[name][0])]
 
@@ -228,7 +228,7 @@ def _untold(fit: StatesFit) -> list[str]:
 def states_text(fit: StatesFit) -> str:
     """Say in a line what a course does."""
     (wait, of_wait), (metal, of_metal) = fit.numbers["wait"], fit.numbers["metal"]
-    bare = f"bare metal {metal:.3g} ± {of_metal:.2g}, " * ("metal" not in _untold(fit))
+    bare = f"bare metal {metal:.3g} ± {of_metal:.2g}, " * ("metal" not in untold(fit))
     many = "mm" if fit.unit == "mm" else f"{fit.unit}s"
     return f"{wait:.3g} ± {of_wait:.2g} {many} under film, {bare}rms {fit.rms:.2g}; a law that fits"
 
@@ -255,7 +255,7 @@ def states_rows(fit: StatesFit) -> list[Row]:
         Row(
             "warning",
             "untold",
-            [f"the course hardly tells {name}: ± half of it or more" for name in _untold(fit)],
+            [f"the course hardly tells {name}: ± half of it or more" for name in untold(fit)],
         ),
         Row("", "covariance", fit.covariance.tolist()),
         Row("", "values", dict(zip(FITTED, fit.values.tolist(), strict=True))),
