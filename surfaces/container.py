@@ -90,8 +90,8 @@ def check_archive(path: Path) -> None:
             name, stated = parts
             if name is None or stated is None or not stated[1].strip("0"):  # no MD5 is none
                 continue
-            part = archive.read(place.removesuffix(X3P) + name[1])
-            digest = hashlib.md5(part, usedforsecurity=False).hexdigest()
+            content = archive.read(place.removesuffix(X3P) + name[1])
+            digest = hashlib.md5(content, usedforsecurity=False).hexdigest()
             if digest != stated[1].lower():
                 raise ValueError(f"its part {name[1]} is damaged, its MD5 is not the one that {X3P} states")
 

@@ -112,7 +112,7 @@ def read_raw(source: SurfaceFile) -> Raw:
 
 def refusal(path: Path, what: str) -> InputError:
     """Return the error for a file that holds no surface. what: the reason, to go on after its name."""
-    return InputError(f"disc.surface '{path}' {what}: 'warpwear surface --help' lists what is allowed")
+    return InputError(f"disc.surface '{path}' {what}: allowed is what 'warpwear surface --help' lists")
 
 
 @contextmanager
@@ -406,7 +406,8 @@ def _read_topography(source: SurfaceFile, *, plain: bool = False) -> Raw:
             check_archive(path)
     with _refused(path, "as a surface"), layouts.open_topography(path, plain=plain) as reader:
         name, heights_of = str(reader.format()), layouts.channels_of_heights(reader)
-        number, notes, names = source.channel, (), {index: one.name for index, one in heights_of.items()}
+        number, names = source.channel, {index: one.name for index, one in heights_of.items()}
+        notes: tuple[str, ...] = ()
         if number is None:
             others = (one.name for one in reader.channels if one.index not in names)
             otherwise = reader.default_channel.index

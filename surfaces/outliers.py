@@ -34,19 +34,14 @@ def marks_of_loss(values: FloatArray) -> list[float]:
 
     Values of few steps, as of a profile that is drawn, have none.
     """
-    marks: list[float] = []
-    least, ends = values.size // 2, list("ab")
-    while ends:
-        ends = []
-        for end in (float(values.min()), float(values.max())):
-            others = values[values != end]
-            if not (values.size - others.size >= REPEATED and others.size > least):
-                continue
-            if np.abs(others - end).min() > MARKED * np.ptp(others) and np.unique(others).size > STEPS:
-                ends, values = [end], others
-                marks.append(end)
-                break
-    return marks
+    least = values.size // 2
+    for end in (float(values.min()), float(values.max())):
+        others = values[values != end]
+        if not (values.size - others.size >= REPEATED and others.size > least):
+            continue
+        if np.abs(others - end).min() > MARKED * np.ptp(others) and np.unique(others).size > STEPS:
+            return [end, *marks_of_loss(others)]
+    return []
 
 
 @dataclass(frozen=True, eq=False)

@@ -145,12 +145,13 @@ def read_wyko(path: Path) -> tuple[FloatArray, tuple[float, float] | None, str |
     if {len(row) for row in body} != {ny} or len(body) != nx:
         raise ValueError(f"its block of heights is not one of {nx} lines of {ny} numbers")
     heights = np.array([[math.nan if word == WYKO_LOST else float(word) for word in row] for row in body])
-    pixel, unit = None, "nm"
+    pixel = None
     if "Pixel_size" in about:
         pixel = (float(about["Pixel_size"]), float(about["Pixel_size"]) * float(about.get("Aspect", 1.0)))
-    if rows[0][1:2] != ["1"]:
-        unit = "nm" if "Wavelength" in about else None
+    in_waves = rows[0][1:2] != ["1"]
+    if in_waves:
         heights *= float(about.get("Wavelength", 1.0)) / float(about.get("Mult", 1.0))
+    unit = None if in_waves and "Wavelength" not in about else "nm"
     note, others = f"block {rows[start][0]} of the file", [rows[at][0] for at in blocks if at != start]
     return heights[:, ::-1], pixel, unit, f"{note}; others: {', '.join(others)}" if others else note
 

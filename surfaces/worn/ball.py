@@ -79,8 +79,8 @@ def find_worn_ball(
     fitted radius must give the same volume from a start in the corners of the field alone (where they lack:
     the outermost fifth of what was measured), and the patch must be deeper in its middle: where little is
     unworn, its flat may pass for the sphere. The patch was chosen as the deepest: it must have lost four
-    and a half standard errors. Raises InputError where no sphere fits, nothing is worn, or too little is unworn to tell
-    the radius.
+    and a half standard errors. Raises InputError where no sphere fits, nothing is worn, or too little is
+    unworn to tell the radius.
     """
     check_points(heights.shape)
     x, y = places(heights.shape, pixel)
