@@ -201,7 +201,7 @@ def find_groove(profile: Profile, *, degree: int = 1, width: float | None = None
 
 
 def _needle(heights: FloatArray) -> tuple[float, float] | None:
-    """Return the height [mm] below which a tenth of a trough, (n,), lies, and its part; None for a small one."""
+    """Return the height [mm] below which a tenth of a trough, (n,), lies, and its part, None where little."""
     deep, tenth = np.sort(heights), heights.size // 10
     part = float(deep[:tenth].sum() / deep.sum()) if tenth else 0.0
     return (float(deep[tenth]), part) if part > NEEDLE else None
