@@ -23,6 +23,7 @@ LISTS = ("index.json", YAML)
 MERGES = re.compile(rb"(?:^|[\s{,])<<['\"]?\s*:")
 #: Names of a measurement's file in the list: as it was uploaded, and as the database keeps it, levelled.
 ORIGINAL, SQUEEZED = "original", "squeezed-netcdf"
+MOST_NAMED = 12  # of several, in a sentence
 MOST_LIST = 2**24  # bytes of such a list
 MOST_MEMBER = 2**32  # bytes of a measurement
 #: Bytes that may come of one byte that is packed: heights give a few, zeros a thousand.
@@ -80,17 +81,24 @@ def check_archive(path: Path) -> None:
                 raise ValueError(
                     f"{part.file_size} bytes of {part.filename} in {path.stat().st_size} of a .zip"
                 )
-        if X3P not in archive.namelist() or archive.getinfo(X3P).file_size > MOST_LIST:
+        place = x3p_main(archive)
+        if place is None or archive.getinfo(place).file_size > MOST_LIST:
             return
-        description = archive.read(X3P).decode("utf-8", errors="replace")
+        description = archive.read(place).decode("utf-8", errors="replace")
         for link, element in X3P_SUMS:
             parts = (re.search(rf"<(?:\w+:)?{tag}>\s*([^<]*?)\s*<", description) for tag in (link, element))
             name, stated = parts
             if name is None or stated is None or not stated[1].strip("0"):  # no MD5 is none
                 continue
-            digest = hashlib.md5(archive.read(name[1]), usedforsecurity=False).hexdigest()
+            content = archive.read(place.removesuffix(X3P) + name[1])
+            digest = hashlib.md5(content, usedforsecurity=False).hexdigest()
             if digest != stated[1].lower():
                 raise ValueError(f"its part {name[1]} is damaged, its MD5 is not the one that {X3P} states")
+
+
+def x3p_main(archive: zipfile.ZipFile) -> str | None:
+    """Return the name of the description in a .x3p, which may lie in a folder; None where there is none."""
+    return next((name for name in archive.namelist() if name.rpartition("/")[2] == X3P), None)
 
 
 def members_of(path: Path) -> list[Member]:
@@ -122,8 +130,8 @@ def _name(about: Any, otherwise: str) -> str:
     return name if isinstance(name, str) and name else otherwise
 
 
-def choose(path: Path, members: list[Member], name: str | None) -> Member:
-    """Return the measurement of a container that has this name or number; without one the only map.
+def choose(path: Path, members: list[Member], name: str | None, kind: str = "measurement") -> Member:
+    """Return the measurement, channel or column that has this name or number; without one the only map.
 
     Raises InputError, naming ``disc.array``, where there is not one such.
     """
@@ -135,10 +143,12 @@ def choose(path: Path, members: list[Member], name: str | None) -> Member:
         return fitting[0]
     if not maps:
         raise InputError(f"disc.surface '{path}' holds no areal measurement, only line scans or nothing")
-    what = "several measurements"
+    what = f"several {kind}s"
     if name is not None:
-        what = f"{len(fitting) or 'no'} measurement{'s' if fitting else ''} {name!r}"
-    listed = ", ".join(f"{member.number} ({member.label})" for member in maps)
+        what = f"{len(fitting) or 'no'} {kind}{'s' if fitting else ''} {name!r}"
+    listed = ", ".join(f"{member.number} ({member.label})" for member in maps[:MOST_NAMED])
+    if len(maps) > MOST_NAMED:
+        listed += f" and {len(maps) - MOST_NAMED} more"
     raise InputError(f"disc.surface '{path}' holds {what}: disc.array gives a number or a name of: {listed}")
 
 

@@ -6,7 +6,7 @@ A format stands in one place, `FORMATS`: how it is known, its reader, its ending
 import math
 import re
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,9 +19,9 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.surfaces import container
 from warpwear.surfaces.container import ORIGINAL, Member, check_archive, is_container
-from warpwear.surfaces.files import layouts
-from warpwear.surfaces.point_cloud import gridded, spaced, units_in
-from warpwear.surfaces.text import NoTable, read_table
+from warpwear.surfaces.files import gwyddion, layouts
+from warpwear.surfaces.point_cloud import UNIT, gridded, spaced, unit_of, units_in
+from warpwear.surfaces.text import NoTable, Table, read_table
 
 h5py = lazy.module("h5py")
 
@@ -31,6 +31,7 @@ BLOCK = 2**20  # bytes of a file that are looked at together
 START = 64  # bytes by which a format may be known
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
+GWY_FIELD = re.compile(r"/\d+/data")  # part of a file of Gwyddion with the values of a channel
 #: Begins the name of a column of places, in a table of several lines beside each other.
 PLACE = re.compile(r"\W*(lateral|distance|position|x)\b", re.IGNORECASE)
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
@@ -45,10 +46,11 @@ class Raw:
 
     heights: np.ma.MaskedArray | np.ndarray  # of a map with two axes, of a profile with one
     format: str
-    pixel: tuple[float, ...] | None = None  # in the lateral unit
+    pixel: Sequence[float] | None = None  # in the lateral unit
     lateral_unit: str | None = None
     height_unit: str | None = None
     notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
+    chosen: bool = False  # whether it is the one of several that was asked for
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ class SurfaceFile:
 
     path: Path
     pixel: tuple[float, float] | None = None  # [mm]
-    array: str | None = None  # the one to take of a .npz or container that holds several
+    array: str | None = None  # the one to take where there are several
     channel: int | None = None  # of an instrument's file
 
     @property
@@ -89,11 +91,6 @@ class HeightFormat:
     fits: Callable[[SurfaceFile], bool]
     read: Callable[[SurfaceFile], Raw]
 
-    @property
-    def words(self) -> str:
-        """Return the name with the endings."""
-        return f"{self.name} ({', '.join(self.endings)})"
-
 
 def read_raw(source: SurfaceFile) -> Raw:
     """Read what a file holds in the first of `FORMATS` that it fits.
@@ -106,13 +103,16 @@ def read_raw(source: SurfaceFile) -> Raw:
     except OSError as error:
         raise InputError(f"disc.surface '{source.path}' cannot be read: {error.strerror}") from error
     with _refused(source.path, f"as {format.endings[0]}"):
-        return format.read(source)
+        raw = format.read(source)
+    if source.array is not None and not raw.chosen:
+        what = f"chooses among several, and disc.surface '{source.path}' ({raw.format}) holds one"
+        raise InputError(f"disc.array = {source.array!r} {what}: leave it out")
+    return raw
 
 
 def refusal(path: Path, what: str) -> InputError:
     """Return the error for a file that holds no surface. what: the reason, to go on after its name."""
-    *names, last = (format.words for format in FORMATS)
-    return InputError(f"disc.surface '{path}' {what}: allowed is {', '.join(names)}, or {last}")
+    return InputError(f"disc.surface '{path}' {what}: allowed is what 'warpwear surface --help' lists")
 
 
 @contextmanager
@@ -168,7 +168,8 @@ def _read_npz(source: SurfaceFile) -> Raw:
         several = f"no array {name!r}" if name is not None else "several arrays"
         listed = ", ".join(names) or "none"
         raise InputError(f"disc.surface '{path}' holds {several}: disc.array names one of: {listed}")
-    return Raw(heights=_real(path, array), format="npz", notes=(f"array {fitting[0]!r} of the file",))
+    notes = (f"array {fitting[0]!r} of the file",)
+    return Raw(heights=_real(path, array), format="npz", notes=notes, chosen=True)
 
 
 def _real(path: Path, array: Any) -> np.ndarray:
@@ -185,6 +186,8 @@ def _read_text(source: SurfaceFile, *, otherwise: InputError | None = None) -> R
     otherwise: what an instrument's reader has refused the file for, if it was tried.
     """
     path = source.path
+    if source.start.startswith(layouts.WYKO):
+        return _read_wyko(source)
     try:
         table = read_table(path)
         values = table.numbers()
@@ -196,6 +199,9 @@ def _read_text(source: SurfaceFile, *, otherwise: InputError | None = None) -> R
         raise refusal(path, f"cannot be read as text ({error})") from error
     notes = () if table.ended else (CUT,)
     lateral, height = units_in(table.header)
+    names = table.names()
+    if names and source.array is not None:
+        return _column(source, table, values, names)
     if table.width == 1:
         return Raw(values[:, 0], "text of one column", None, lateral, height, notes)
     if table.width == 2:
@@ -218,10 +224,8 @@ def _read_text(source: SurfaceFile, *, otherwise: InputError | None = None) -> R
         else:
             extra = (f"columns after the third ignored, {table.width - 3}",) if table.width > 3 else ()
             return Raw(cloud.heights, "xyz", cloud.pixel, lateral, height, cloud.notes + extra + notes)
-    names = table.header[-1].split(table.separator) if table.header else []
-    if len(names) == table.width and PLACE.match(names[0]):
-        what = f"is a table whose first column, '{names[0].strip()}', is no height"
-        raise refusal(path, f"{what}, and no matrix of heights nor points x y z")
+    if names:
+        return _column(source, table, values, names)
     if table.header:  # sizes and units as SurfaceTopography understands them
         # a header it does not know, or the package is not here: the numbers are read all the same
         with suppress(InputError):
@@ -229,6 +233,70 @@ def _read_text(source: SurfaceFile, *, otherwise: InputError | None = None) -> R
             if raw.heights.shape == values.T.shape:
                 return replace(raw, notes=raw.notes + notes)
     return Raw(values.T, "text", None, lateral, height, notes)
+
+
+def _column(source: SurfaceFile, table: Table, values: np.ndarray, names: list[str]) -> Raw:
+    """Return the column of a table that is asked for by its name: a profile over the places in the first."""
+    number, note = _choose(source, {at: name for at, name in enumerate(names) if name}, "named column")
+    notes = (note,) if table.ended else (note, CUT)
+    pixel, heights = None, values[:, number]
+    if PLACE.match(names[0]):
+        heights, *pixel = spaced(values[:, [0, number]])
+    lateral, unit = unit_of(names[0]), unit_of(names[number])
+    return Raw(heights, "a column of text", pixel, lateral, unit, notes, chosen=True)
+
+
+def _choose(
+    source: SurfaceFile,
+    names: dict[int, str],
+    what: str,
+    *,
+    otherwise: int | None = None,
+    others: Iterable[str] = (),
+) -> tuple[int, str]:
+    """Return the number of what is asked for, by number or name, and a sentence that says what else is there.
+
+    names: by number; otherwise: the one taken where nothing is asked for; others: what cannot be taken.
+    """
+    number = otherwise
+    if number is None or source.array is not None:
+        members = [Member(number, name, {}) for number, name in names.items()]
+        number = container.choose(source.path, members, source.array, what).number
+    beside = [f"{other} ({name})" for other, name in names.items() if other != number]
+    listed = ", ".join([*beside, *others])
+    return number, f"{what} {number} ({names[number]}) of the file; others: {listed or 'none'}"
+
+
+def _read_wyko(source: SurfaceFile) -> Raw:
+    """Read the first block of heights in text of Wyko."""
+    heights, pixel, unit, note = layouts.read_wyko(source.path)
+    return Raw(heights, "Wyko ASCII", pixel, "mm" if pixel else None, unit, (note,))
+
+
+def _read_gwy(source: SurfaceFile) -> Raw:
+    """Read a channel of a file of Gwyddion: by itself the first in a unit of length, or without a unit."""
+    parts = gwyddion.parts_of(source.path)
+    fields = {int(key.split("/")[1]): parts[key] for key in sorted(parts) if GWY_FIELD.fullmatch(key)}
+    units = {n: field.get("si_unit_z", {}).get("unitstr") or None for n, field in fields.items()}
+    names = {n: parts.get(f"/{n}/data/title", "without a name") for n in fields}
+    heights = {n: names[n] for n, unit in units.items() if unit is None or re.fullmatch(UNIT, unit)}
+    if not heights:
+        raise ValueError("no channel of heights")
+    others = (f"{names[n]} in {units[n]}" for n in fields if n not in heights)
+    first = min(heights, key=lambda n: (units[n] is None, n))
+    number, *notes = _choose(source, heights, "channel", otherwise=first, others=others)
+    field, mask = fields[number], parts.get(f"/{number}/mask")
+    shape = (field["yres"], field["xres"])
+    values = field["data"].reshape(shape).T
+    if mask is not None:
+        masked = mask["data"].reshape(shape).T > 0.5
+        values = np.ma.masked_array(values, masked)
+        notes.append(
+            f"{masked.sum()} points under the file's mask taken as missing: it may mark grains as well"
+        )
+    pixel = [abs(field.get(f"{x}real", 1.0)) / field[f"{x}res"] for x in "xy"]
+    lateral = field.get("si_unit_xy", {}).get("unitstr") or None
+    return Raw(values, "gwy", pixel, lateral, units[number], tuple(notes), chosen=True)
 
 
 def _read_prf(source: SurfaceFile) -> Raw:
@@ -240,8 +308,8 @@ def _read_prf(source: SurfaceFile) -> Raw:
 def _read_x3p(source: SurfaceFile) -> Raw:
     """Read the profile in an .x3p, or the map."""
     check_archive(source.path)
-    profile = layouts.x3p_profile(source.path)
-    return _read_topography(source) if profile is None else Raw(profile[0], "x3p", (profile[1],), "m", "m")
+    heights, steps = layouts.read_x3p(source.path)
+    return Raw(heights, "x3p", steps, "m", "m")
 
 
 def _read_packed(source: SurfaceFile) -> Raw:
@@ -311,6 +379,7 @@ def _as_listed(raw: Raw, member: Member, kind: str) -> Raw:
         lateral_unit=raw.lateral_unit or unit,
         height_unit=raw.height_unit or unit,
         notes=notes,
+        chosen=True,
     )
 
 
@@ -336,7 +405,19 @@ def _read_topography(source: SurfaceFile, *, plain: bool = False) -> Raw:
         with _refused(path, "as an archive"):
             check_archive(path)
     with _refused(path, "as a surface"), layouts.open_topography(path, plain=plain) as reader:
-        name, channel = str(reader.format()), layouts.channel_of_heights(reader, source.channel)
+        name, heights_of = str(reader.format()), layouts.channels_of_heights(reader)
+        number, names = source.channel, {index: one.name for index, one in heights_of.items()}
+        notes: tuple[str, ...] = ()
+        if number is None:
+            others = (one.name for one in reader.channels if one.index not in names)
+            otherwise = reader.default_channel.index
+            otherwise = otherwise if otherwise in names else min(names)
+            number, note = _choose(source, names, "channel", otherwise=otherwise, others=others)
+            if len(reader.channels) > 1 or not names[number].lower().startswith(("channel", "default")):
+                notes = (note,)
+        if number not in names:
+            raise ValueError(f"no channel of heights number {number}")
+        channel = heights_of[number]
         shape, room = channel.nb_grid_pts, path.stat().st_size
         if math.prod(shape) > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
             raise ValueError(f"{math.prod(shape)} points in {room} bytes, which is more than can be there")
@@ -356,7 +437,7 @@ def _read_topography(source: SurfaceFile, *, plain: bool = False) -> Raw:
         else:
             steps = topography.pixel_size
         pixel = tuple(float(p) for p in steps) if sizes is None else None
-        return Raw(heights, name, pixel, lateral_unit=unit, height_unit=unit)
+        return Raw(heights, name, pixel, unit, unit, notes, chosen=len(reader.channels) > 1)
 
 
 #: What can be read, in the order in which it is tried; the last takes all that no other one knows.
@@ -370,6 +451,7 @@ FORMATS = (
         _read_container,
     ),
     HeightFormat("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
+    HeightFormat("a file of Gwyddion", (".gwy",), lambda s: s.start.startswith(gwyddion.GWY), _read_gwy),
     HeightFormat("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == layouts.PRF, _read_prf),
     HeightFormat("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
     HeightFormat(

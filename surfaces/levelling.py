@@ -1,5 +1,6 @@
 """Measured heights are levelled and filtered."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -51,6 +52,13 @@ def without_polynomial(
         table[i, j] = solve(matrix, right[i, j, np.newaxis], rcond=1e-12)[:, 0]
         levelled = levelled - np.einsum("xi,iy->xy", basis_x, np.einsum("ij,yj->iy", table, basis_y))
     return levelled
+
+
+def tilt(form: FloatArray, *, pixel: tuple[float, float]) -> float:
+    """Return the mean tilt [°] of a form [mm], shape (nx, ny), NaN where missing; pixel (px, py) [mm]."""
+    slopes = [np.diff(form, axis=axis) / pixel[axis] for axis in (0, 1)]
+    means = [float(np.nanmean(slope)) for slope in slopes if not np.isnan(slope).all()]
+    return math.degrees(math.atan(math.hypot(*means)))
 
 
 def low_pass(

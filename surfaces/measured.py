@@ -13,6 +13,7 @@ from warpwear.grid import FloatArray, blocks_of_rows
 from warpwear.surfaces.base import BoolArray, IntArray, spacing
 from warpwear.surfaces.levelling import low_pass, without_polynomial
 from warpwear.surfaces.preparation import Preparation, prepare
+from warpwear.surfaces.profiles.profile import prepared
 from warpwear.surfaces.reading import Reading, read
 from warpwear.surfaces.roughness import roughness
 from warpwear.surfaces.spectrum import slope_against_cut_off
@@ -25,6 +26,7 @@ CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the sh
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
 MUCH_MISSING = 2.0  # percent of the points
+TILTED = 1.0  # percent by which heights over a tilted plane may be too large
 MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
@@ -194,6 +196,12 @@ class Measured:
                 f"{filled_percent:.3g} % of the points used: the surface there is not known, so that a "
                 "contact there means nothing"
             )
+        more = 100.0 / math.cos(math.radians(self.details.get("tilt_degrees", 0.0))) - 100.0
+        if more > TILTED:
+            doubts.append(
+                f"measured with a tilt of {self.details['tilt_degrees']:.3g}°: heights over the mean plane "
+                f"are vertical, {more:.2g} % larger than square to it"
+            )
         sq = float(np.nanstd(self.measured))
         if min(self.pixel) > COARSE and sq > COARSE:
             doubts.append(
@@ -257,8 +265,11 @@ def read_measured(
     that is no plausible areal measurement.
     """
     reading = read(path, pixel=pixel, height_unit=height_unit, array=array, profile=profile)
-    whole = _alike_across(reading, preparation) if profile else reading
-    heights, filled, pixel, record = prepare(whole, preparation, name=str(path))
+    whole, then = reading, preparation
+    if profile:
+        reading = prepared(reading, crop=preparation.crop, deviations=preparation.outliers)
+        whole, then = _alike_across(reading, preparation), replace(preparation, crop=None, outliers=None)
+    heights, filled, pixel, record = prepare(whole, then, name=str(path))
     details = {
         **_of_file(Path(path), reading),
         "sliding_axis": preparation.sliding_axis,
@@ -276,7 +287,7 @@ def read_measured(
 
 def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
     """Return a profile as columns of a map that is wider than any domain. Raises InputError."""
-    for name in ("crop", "sliding_axis", "outliers", "s_filter", "l_filter", "level"):
+    for name in ("sliding_axis", "s_filter", "l_filter", "level"):
         value = getattr(preparation, name)
         if value in ("sphere", "cylinder") if name == "level" else value != getattr(DEFAULT, name):
             raise InputError(f"disc.{name} = {value!r} is for a map, disc.surface is a profile: leave it out")

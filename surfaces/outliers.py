@@ -13,6 +13,9 @@ from warpwear.surfaces.filling import filled
 
 ndimage = lazy.module("scipy.ndimage")
 
+REPEATED = 3  # times that a mark of lost points stands in a file, at least
+MARKED = 3.0  # times the range of the others by which a mark is away from them
+STEPS = 20  # different values that others have, at least
 WINDOW = 5  # pixels of the local median: outvotes spikes of up to 12 pixels
 HALF = WINDOW // 2  # pixels from the rim to the nearest middle of a window that fits
 ROUNDS = 12  # bounded, as walls of what is wider than the window would be eaten from their corners
@@ -24,6 +27,21 @@ def robust_deviation(values: FloatArray, centre: float | None = None) -> float:
     """Return the standard deviation of values about their median, or a centre, from absolute deviations."""
     centre = float(np.median(values)) if centre is None else centre
     return TO_SIGMA * float(np.median(np.abs(values - centre)))
+
+
+def marks_of_loss(values: FloatArray) -> list[float]:
+    """Return the values, of shape (n,), that stand for lost points, such as -999: they repeat, far outside.
+
+    Values of few steps, as of a profile that is drawn, have none.
+    """
+    least = values.size // 2
+    for end in (float(values.min()), float(values.max())):
+        others = values[values != end]
+        if not (values.size - others.size >= REPEATED and others.size > least):
+            continue
+        if np.abs(others - end).min() > MARKED * np.ptp(others) and np.unique(others).size > STEPS:
+            return [end, *marks_of_loss(others)]
+    return []
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,6 +99,12 @@ def units_in(header: Sequence[str]) -> tuple[str | None, str | None]:
     return lateral, height
 
 
+def unit_of(name: str) -> str | None:
+    """Return the unit in brackets behind the name of a column, None without one."""
+    found = re.search(rf"[\[(] *({UNIT}) *[\])]", name)
+    return _canonical(found[1]) if found else None
+
+
 def _units_of_axes(line: str) -> list[tuple[str, str]]:
     """Return the axes and units that a line of a header states; "" is the axis of a unit for all."""
     if named := AXIS_UNIT.findall(line):

@@ -11,7 +11,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import completed
-from warpwear.surfaces.levelling import areal_low_pass, without_polynomial
+from warpwear.surfaces.levelling import areal_low_pass, tilt, without_polynomial
 from warpwear.surfaces.outliers import outliers
 from warpwear.surfaces.reading import Reading
 from warpwear.surfaces.roughness import FLAT
@@ -98,7 +98,7 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
             + (f", {removed} of them removed by disc.outliers" if removed else "")
             + f": allowed are at most {100 * LARGEST_MISSING:g} %"
         )
-    heights, sentence = _levelled(heights, pixel, preparation.level)
+    heights, sentence, tilted = _levelled(heights, pixel, preparation.level)
     done.append(sentence)
     sq = float(np.sqrt(np.nanmean(np.square(heights))))
     _check_plausible(heights, pixel, sq, name=name, unit=reading.unit)
@@ -120,6 +120,7 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
         "outliers_removed": removed,
         "filled_percent": 100.0 * (missing + removed) / heights.size,
         "operations": done,
+        "tilt_degrees": tilted,
     }
     return Prepared(heights, absent if missing + removed else None, pixel, record)
 
@@ -168,8 +169,10 @@ def _cropped(
     )
 
 
-def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int) -> tuple[FloatArray, str]:
-    """Return the heights less the form of a level, and what was done."""
+def _levelled(
+    heights: FloatArray, pixel: tuple[float, float], level: str | int
+) -> tuple[FloatArray, str, float]:
+    """Return the heights less the form of a level, what was done, and the tilt [°] that it took off."""
     degree = degree_of(level)
     if isinstance(degree, str):
         fit = fit_sphere if degree == "sphere" else fit_cylinder
@@ -184,11 +187,14 @@ def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int)
         rest -= np.nanmean(rest)
         way = "bulging" if fitted.radius > 0 else "hollow"
         along = f" along {'xy'[fitted.axis]}" if isinstance(fitted, Cylinder) else ""
-        return rest, f"least-squares {degree}{along} of radius {abs(fitted.radius):.5g} mm ({way}) taken off"
+        form = f"least-squares {degree}{along} of radius {abs(fitted.radius):.5g} mm ({way})"
+        return rest, f"{form} taken off", 0.0
     form = {"none": "mean height", "plane": "least-squares plane"}.get(
         str(level), f"least-squares polynomial of degree {level}"
     )
-    return without_polynomial(heights, degree=degree), f"{form} taken off"
+    rest = without_polynomial(heights, degree=degree)
+    tilted = tilt(heights - rest, pixel=pixel)
+    return rest, f"{form} taken off" + f", tilted by {tilted:.3g}°" * (degree > 0), tilted
 
 
 def _filtered(

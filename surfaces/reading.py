@@ -15,6 +15,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.surfaces.outliers import marks_of_loss
 
 if TYPE_CHECKING:
     from warpwear.surfaces.formats import Raw
@@ -101,12 +102,19 @@ def read(
         shape = "×".join(map(str, raw.heights.shape))
         raise formats.refusal(path, f"holds no {'profile' if profile else 'map'} (shape {shape})")
     unit = height_unit if height_unit is not None else raw.height_unit
-    factor = _height_factor(path, unit)
-    overrides = _overrides(raw, unit=height_unit, pixel=None if pair is None else pair[:axes])
-    heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
-    heights[~np.isfinite(heights)] = np.nan
-    if np.isnan(heights).all():
+    factor = _height_factor(path, unit, raw)
+    values = np.ma.filled(raw.heights.astype(np.float64), np.nan)
+    values[~np.isfinite(values)] = np.nan
+    if np.isnan(values).all():
         raise InputError(f"disc.surface '{path}' has no valid point, all are missing")
+    notes = list(raw.notes)
+    for mark in marks_of_loss(values[~np.isnan(values)]):
+        lost = values == mark
+        values[lost] = np.nan
+        why = "which repeats far outside of all others: taken as a mark of lost points"
+        notes.append(f"{int(lost.sum())} points hold {mark:g} {unit}, {why}")
+    heights = values * factor
+    overrides = _overrides(raw, unit=height_unit, pixel=None if pair is None else pair[:axes])
     if float(np.nanmax(np.abs(heights))) > FARTHEST:
         raise InputError(
             f"disc.surface '{path}' has heights beyond {FARTHEST:g} mm (unit {unit}), which is no topography"
@@ -118,7 +126,7 @@ def read(
         unit=str(unit).strip(),
         pixel_given=pixel is not None,
         unit_given=height_unit is not None,
-        notes=raw.notes,
+        notes=tuple(notes),
         overrides=overrides,
         digest=digest,
     )
@@ -191,11 +199,11 @@ def _is_pixel(length: float) -> bool:
     return SMALLEST_PIXEL <= length <= LARGEST_PIXEL
 
 
-def _height_factor(path: Path, unit: str | None) -> float:
+def _height_factor(path: Path, unit: str | None, raw: "Raw") -> float:
     if unit is None:
         raise InputError(
-            f"disc.height_unit is not given and disc.surface '{path}' names no unit: allowed is one of "
-            f"{UNITS}"
+            f"disc.height_unit is not given and disc.surface '{path}' names no unit of its heights"
+            f"{_step(raw)}: allowed is one of {UNITS}"
         )
     factor = _millimetres(unit)
     if factor is None:
@@ -215,11 +223,19 @@ def _squeezed(raw: "Raw") -> "Raw":
     return replace(raw, heights=raw.heights.reshape(-1), pixel=pixel)
 
 
+def _step(raw: "Raw") -> str:
+    """Say the distance of the points where a file gives it without a unit, to go on after the file's name."""
+    if raw.pixel is None or raw.lateral_unit is not None:
+        return ""
+    steps = " × ".join(f"{p:.6g}" for p in raw.pixel)
+    return f"; its points are {steps} apart, in a unit that it does not say"
+
+
 def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, float]:
     if raw.pixel is None or raw.lateral_unit is None:
-        lacks = "names none" if raw.pixel is None else "gives its own without a unit"
-        raise InputError(f"disc.pixel is not given and disc.surface '{path}' {lacks}: {PIXELS_ALLOWED}")
-    factor = _height_factor(path, raw.lateral_unit)
+        lacks = _step(raw) or " names none"
+        raise InputError(f"disc.pixel is not given and disc.surface '{path}'{lacks}: {PIXELS_ALLOWED}")
+    factor = _height_factor(path, raw.lateral_unit, raw)
     pixel = tuple(p * factor for p in raw.pixel)
     if not all(map(_is_pixel, pixel)):
         raise InputError(

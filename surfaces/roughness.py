@@ -18,6 +18,8 @@ STARTS = 2001  # of secants tried; the flattest is broad
 #: λc [mm] of ISO 3274, largest first, and the λs [mm] that belongs to each.
 CUT_OFFS = {8.0: 0.025, 2.5: 0.008, 0.8: 0.0025, 0.25: 0.0025, 0.08: 0.0025}
 SAMPLING_LENGTHS = 5  # usual; fewer are told, and without a single one λc is reduced
+FEWEST_WAVES = 5  # of λs in a profile: of a field of few waves there is no Ra to speak of
+NO_RA = "no Ra"  # begins the sentence that says why
 LEAST_OF_A_PROFILE = 0.5  # of its points that must be measured
 FLAT = 1e-9  # mm: 1 pm, a hundredth of an atom; what is lower is rounding
 
@@ -188,6 +190,8 @@ def profile_roughness(
     rough, used, waves, notes = filtered(heights, pixel=pixel, axis=axis, cut_off=cut_off, short=short)
     valid = ~np.isnan(rough)
     enough = valid.mean(axis=1) > LEAST_OF_A_PROFILE
+    if any(note.startswith(NO_RA) for note in notes):
+        return ProfileRoughness(None, None, len(rough), None, None, tuple(notes))
     if left_out := int(np.count_nonzero(~enough)):
         notes.append(f"{left_out} profiles left out: half of their points or more are missing")
     rough, valid = rough[enough], valid[enough]
@@ -196,9 +200,9 @@ def profile_roughness(
     values = np.sum(np.abs(rest), axis=1, where=valid) / points
     ra = scatter = None
     if not values.size:
-        notes.append("no Ra: too much is missing")
+        notes.append(f"{NO_RA}: too much is missing")
     elif values.mean() < FLAT:
-        notes.append("no Ra: the filters leave no height of 1 pm")
+        notes.append(f"{NO_RA}: the filters leave no height of 1 pm")
     else:
         ra, scatter = float(values.mean()), float(values.std())
         scatter = scatter if scatter >= FLAT else 0.0
@@ -246,6 +250,9 @@ def _cut_offs(
     waves, limit = short, length if used is None else used
     if short >= limit:
         waves = min(CUT_OFFS.values()) if used is None else CUT_OFFS[used]
+    if FEWEST_WAVES * waves > length:
+        few = f"hold fewer than {FEWEST_WAVES} waves of λs, {1e3 * waves:.3g} µm; --lambda-s may be shorter"
+        return used, None, [f"{NO_RA}: profiles of {1e3 * length:.3g} µm {few}"]
     if waves < 2.0 * step * (1.0 - 1e-6):
         instead = f" (instead of {1e3 * short:g} µm)" if short >= limit else ""
         notes.append(f"no λs: {1e3 * waves:g} µm{instead} is shorter than two pixels")

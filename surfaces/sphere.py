@@ -78,6 +78,11 @@ def fit_sphere(
 
     start = [x0 / scale, y0 / scale, apex / scale] + ([] if radius is not None else [kappa * scale])
     with np.errstate(invalid="ignore"):
+        if not np.isfinite(rest(np.array(start))).all():  # a parabola is no start for steep flanks
+            squares = least_squares(np.stack([px, py, z, np.ones_like(z)], axis=1), px**2 + py**2 + z**2)
+            x0, y0, z0 = 0.5 * squares[:3]
+            free = math.sqrt(max(squares[3] + x0**2 + y0**2 + z0**2, 1e-24)) * np.sign(z.mean() - z0)
+            start = [x0 / scale, y0 / scale, (z0 + (radius or free)) / scale, scale / free][: len(start)]
         if not np.isfinite(rest(np.array(start))).all():
             raise NoSphere("points beyond the equator of the sphere")
         try:

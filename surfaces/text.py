@@ -64,6 +64,18 @@ class Table:
             values = np.array([self._row(row, line, columns) for row, line in numbered])
         return np.where(np.isfinite(values), values, np.nan)
 
+    def names(self) -> list[str]:
+        """Return the names of the columns where the header ends with a word for each, else none.
+
+        In blanks any words may pass for names: then the table must be longer than it is wide, and the first
+        column may have none.
+        """
+        fields = split(self.header[-1].lstrip("#%/ "), self.separator) if self.header else []
+        words = [any(c.isalpha() for c in field) and not _is_value(field) for field in fields]
+        alike = len(fields) == self.width and all(words[1:]) and len(set(fields)) == len(fields)
+        long = self.separator is not None or len(self.rows) > self.width
+        return fields if alike and long and self.width > 1 else []
+
     def _with_points(self, wanted: Sequence[int]) -> list[str]:
         """Return the rows with points for decimal commas."""
         if not any("," in row for row in self.rows):

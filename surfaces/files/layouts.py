@@ -15,7 +15,9 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
+from warpwear.surfaces.container import X3P, x3p_main
 from warpwear.surfaces.point_cloud import UNIT
+from warpwear.surfaces.text import lines_of, split
 
 h5py = lazy.module("h5py")
 
@@ -32,10 +34,14 @@ BY_ENDING = ("nms",)  # is looked for in files of this ending
 PLAIN = ("asc", "xyz")
 LENGTH = re.compile(rf"#[^:]+:\s*(\d+(?:[.,]\d*)?(?:[eE][+-]?\d+)?)\s*({UNIT})\s*")
 NAMED_UNIT = re.compile(rf"#[^:]+:\s*({UNIT})\s*")
+WYKO = b"Wyko ASCII Data File Format"  # begins such a file
+WYKO_BLOCK, WYKO_LOST = "3", "Bad"  # kind of a block of numbers, and the word for a point that is missing
+WYKO_HEIGHTS = ("RAW_DATA", "RAW DATA", "OPD", "SAMPLE_DATA")  # names of blocks of heights
 PRF = b"1 2"  # the first line of a .prf
 FEATURE = "{*}Record1/{*}FeatureType"
-SIZE = "{*}Record3/{*}MatrixDimension/{*}SizeX"
+SIZES = "{*}Record3/{*}MatrixDimension/{*}"
 LINK = "{*}Record3/{*}DataLink/"
+LIST = "{*}Record3/{*}DataList/{*}Datum"
 AXES = "{*}Record1/{*}Axes/"
 #: Types of an .x3p's values, little endian: 16 and 32 bit integers and floats of 32 and 64 bit.
 TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
@@ -113,16 +119,41 @@ def check_wave(path: Path) -> None:
         raise ValueError(f"{' × '.join(map(str, declared))} points in {path.stat().st_size} bytes")
 
 
-def channel_of_heights(reader: Any, number: int | None) -> Any:
-    """Return the channel of heights that has a number; without one the reader's own choice, or the first."""
-    channels = [c for c in reader.channels if getattr(c, "is_height_channel", True)]
+def channels_of_heights(reader: Any) -> dict[int, Any]:
+    """Return the channels of heights by their numbers. Raises ValueError without any."""
+    channels = {c.index: c for c in reader.channels if getattr(c, "is_height_channel", True)}
     if not channels:
         raise ValueError("no channel of heights")
-    index = reader.default_channel.index if number is None else number
-    fitting = [c for c in channels if c.index == index]
-    if not fitting and number is not None:
-        raise ValueError(f"no channel of heights number {number}")
-    return (fitting or channels)[0]
+    return channels
+
+
+def read_wyko(path: Path) -> tuple[FloatArray, tuple[float, float] | None, str | None, str]:
+    """Return heights, shape (nx, ny), pixel [mm], unit and what was read of text of Wyko. Raises ValueError.
+
+    Blocks of numbers follow values of single keys. A line has the points along y, the last one first; heights
+    are in waves where the second flag says so, and then divided by Mult, which may be left out.
+    """
+    lines = lines_of(path)
+    rows = [split(line.rstrip(), "\t") for line in lines]
+    blocks = [at for at, row in enumerate(rows) if len(row) > 2 and row[1] == WYKO_BLOCK]
+    start = next((at for at in blocks if rows[at][0] in WYKO_HEIGHTS), None)
+    if start is None:
+        raise ValueError("no block of heights")
+    about = {row[0]: row[-1] for row in rows[:start] if len(row) > 1}
+    nx, ny = (int(about.get(f"{axis} Size", 0)) for axis in "XY")
+    body = [line.split() for line in lines[start + 1 : start + 1 + nx]]
+    if {len(row) for row in body} != {ny} or len(body) != nx:
+        raise ValueError(f"its block of heights is not one of {nx} lines of {ny} numbers")
+    heights = np.array([[math.nan if word == WYKO_LOST else float(word) for word in row] for row in body])
+    pixel = None
+    if "Pixel_size" in about:
+        pixel = (float(about["Pixel_size"]), float(about["Pixel_size"]) * float(about.get("Aspect", 1.0)))
+    in_waves = rows[0][1:2] != ["1"]
+    if in_waves:
+        heights *= float(about.get("Wavelength", 1.0)) / float(about.get("Mult", 1.0))
+    unit = None if in_waves and "Wavelength" not in about else "nm"
+    note, others = f"block {rows[start][0]} of the file", [rows[at][0] for at in blocks if at != start]
+    return heights[:, ::-1], pixel, unit, f"{note}; others: {', '.join(others)}" if others else note
 
 
 def read_prf(path: Path) -> tuple[FloatArray, float]:
@@ -146,31 +177,41 @@ def read_prf(path: Path) -> tuple[FloatArray, float]:
     return values * float(axis[4]), float(spacing[2])
 
 
-def x3p_profile(path: Path) -> tuple[FloatArray, float] | None:
-    """Return heights [m] and spacing [m] of a profile in an .x3p, None where it holds a map; shape (n,).
+def read_x3p(path: Path) -> tuple[FloatArray, tuple[float, ...]]:
+    """Return heights [m] and distances of the points [m] of an .x3p: of a map (nx, ny), of a profile (n,).
 
-    ISO 25178-72: evenly spaced, with the heights in a file of their own. Raises ValueError, KeyError or
-    zipfile.BadZipFile for what is damaged or not so.
+    ISO 25178-72: evenly spaced, with the heights in a file of their own or as text. Raises ValueError,
+    KeyError or zipfile.BadZipFile for what is damaged or not so.
     """
     with zipfile.ZipFile(path) as archive:
-        main = ElementTree.fromstring(archive.read("main.xml"))
-        if _text(main, FEATURE) != "PRF":
-            return None
-        if _text(main, f"{AXES}{{*}}CX/{{*}}AxisType") != "I":
+        place = x3p_main(archive)
+        if place is None:
+            raise ValueError(f"it has no {X3P}")
+        main, folder = ElementTree.fromstring(archive.read(place)), place.removesuffix(X3P)
+        sides = ("CX",) if _text(main, FEATURE) == "PRF" else ("CX", "CY")
+        if any(_text(main, f"{AXES}{{*}}{axis}/{{*}}AxisType") != "I" for axis in sides):
             raise ValueError("its points are not evenly spaced")
-        kind = TYPES[_text(main, f"{AXES}{{*}}CZ/{{*}}DataType")]
-        values = np.frombuffer(archive.read(_text(main, f"{LINK}{{*}}PointDataLink")), kind)
+        if link := main.findtext(f"{LINK}{{*}}PointDataLink"):
+            kind = TYPES[_text(main, f"{AXES}{{*}}CZ/{{*}}DataType")]
+            values = np.frombuffer(archive.read(folder + link.strip()), kind)
+        else:
+            texts = (one.text or "" for one in main.iterfind(LIST))
+            values = np.array([float(text.strip() or "nan") for text in texts])
         mask = main.findtext(f"{LINK}{{*}}ValidPointsLink")
-        packed = archive.read(mask.strip()) if mask else b""
-    count = int(_text(main, SIZE))
-    if values.size != count:
-        raise ValueError(f"it holds {values.size} heights, and says that there are {count}")
-    step, scale = (float(main.findtext(f"{AXES}{{*}}{axis}/{{*}}Increment") or 1.0) for axis in ("CX", "CZ"))
-    heights = values * (scale if kind[1] == "i" else 1.0)
+        packed = archive.read(folder + mask.strip()) if mask else b""
+    sizes = [int(_text(main, f"{SIZES}Size{axis}")) for axis in "YXZ"]
+    if values.size != math.prod(sizes) or sizes[2] != 1:
+        raise ValueError(f"it holds {values.size} heights, and says that there are {math.prod(sizes)}")
+
+    def number(axis: str, name: str) -> float:
+        return float((main.findtext(f"{AXES}{{*}}{axis}/{{*}}{name}") or "").strip() or "0")
+
+    heights = values * (number("CZ", "Increment") or 1.0) + number("CZ", "Offset")
     if packed:
-        valid = np.unpackbits(np.frombuffer(packed, np.uint8), count=count, bitorder="little")
+        valid = np.unpackbits(np.frombuffer(packed, np.uint8), count=values.size, bitorder="little")
         heights = np.where(valid == 1, heights, np.nan)
-    return heights, step
+    heights = heights.reshape(sizes[:2]).T
+    return heights[:, 0] if len(sides) == 1 else heights, tuple(number(a, "Increment") or 1.0 for a in sides)
 
 
 def _text(main: ElementTree.Element, place: str) -> str:

@@ -4,7 +4,7 @@ Its parameters are those of ISO 21920-2, by the filters and over the lengths of 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,12 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces import roughness
 from warpwear.surfaces.base import BoolArray, IntArray
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.reading import read
+from warpwear.surfaces.outliers import WINDOW, outliers, robust_deviation
+from warpwear.surfaces.reading import Reading, read
 from warpwear.surfaces.roughness import CUT_OFFS, bearing_parameters, height_parameters
 
+SPIKE = 7.0  # times Rq from the middle, beyond which a point is doubted
+FAR_OFF = 3.0  # times its robust deviation that the Rq of a profile without spikes is, at most
 FEWEST = 50  # points, below which nothing is said of a profile
 MOST_MISSING = 0.2  # of its points
 #: Largest Ra [mm] of the setting classes of ISO 21920-3, and the λc [mm] that belongs to each.
@@ -67,15 +70,18 @@ def profile_in(
     height_unit: str | None = None,
     array: str | None = None,
     down: bool = False,
+    crop: Sequence[float] | None = None,
+    deviations: float | None = None,
 ) -> Profile:
     """Read the profile in a file of any format that `warpwear.surfaces.reading.read` knows.
 
     spacing [mm] and height_unit override what the file says; array: the one to take of a .npz that holds
-    several; down: whether the file gives depths. Raises InputError, naming ``disc.surface``, ``disc.pixel``
-    or ``disc.height_unit``, where there is none, where it has fewer than 50 points or where a fifth of them
-    is missing.
+    several; down: whether the file gives depths; crop, deviations: see `prepared`. Raises InputError, naming
+    ``disc.surface``, ``disc.pixel`` or ``disc.height_unit``, where there is none, where it has fewer than 50
+    points or where a fifth of them is missing.
     """
     content = read(path, pixel=spacing, height_unit=height_unit, array=array, profile=True)
+    content = prepared(content, crop=crop, deviations=deviations)
     about = {
         "file": Path(path).name,
         "format": content.format,
@@ -84,6 +90,46 @@ def profile_in(
         "notes": [*content.notes, *content.overrides, *(["heights turned over"] if down else [])],
     }
     return checked(Profile(content.pixel[0], -content.heights if down else content.heights, about))
+
+
+def prepared(reading: Reading, *, crop: Sequence[float] | None, deviations: float | None) -> Reading:
+    """Return a profile that was read, cropped and without outliers, and note both.
+
+    crop: from and to [mm], or twice the size that is left about the middle; deviations: as of
+    `warpwear.surfaces.outliers.outliers`, None for neither. Raises InputError, naming ``disc.crop``.
+    """
+    heights, notes, step = reading.heights, list(reading.notes), reading.pixel[0]
+    if crop is not None:
+        length = heights.size * step
+        low, high = crop[0], crop[-1]
+        if low == high:
+            low, high = 0.5 * (length - low), 0.5 * (length + high)
+        first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
+        if len(crop) != 2 or not 0 <= first < last - 1 < heights.size:
+            text = ", ".join(f"{value:.6g}" for value in crop)
+            raise InputError(f"disc.crop is ({text}) mm: allowed is from, to within 0 to {length:.6g} mm")
+        heights = heights[first:last]
+        notes.append(f"cropped to {low:.6g} to {high:.6g} mm, {heights.size} points")
+    if deviations is not None:
+        found = outliers(np.repeat(heights[None], WINDOW, axis=0), deviations=deviations)
+        where = found.where[WINDOW // 2]
+        heights = np.where(where, np.nan, heights)
+        notes.append(
+            f"outliers: {int(where.sum())} points farther than {deviations:g} robust standard deviations "
+            f"({1e3 * found.limit:.4g} µm) from the median of {WINDOW} points removed"
+        )
+    return replace(reading, heights=heights, notes=tuple(notes))
+
+
+def far_off(heights: FloatArray) -> str | None:
+    """Say how far a point of a levelled profile [mm], shape (n,), lies where roughness seldom has one."""
+    off, rq = (heights - np.nanmedian(heights))[~np.isnan(heights)], float(np.nanstd(heights))
+    farthest = float(off[np.argmax(np.abs(off))])
+    if abs(farthest) < SPIKE * max(min(rq, FAR_OFF * robust_deviation(off)), roughness.FLAT):
+        return None
+    which, advice = "highest" if farthest > 0.0 else "lowest", "--outliers 6 takes off what stands out"
+    off_by = f"{abs(farthest) / rq:.2g} Rq off the middle, as roughness seldom does"
+    return f"the {which} point lies {off_by}: a spike, or a lost point? {advice}"
 
 
 def checked(profile: Profile) -> Profile:
@@ -150,6 +196,8 @@ def _with(profile: Profile, cut_off: float, short: float | None) -> Parameters:
     rough, used, waves, notes = roughness.filtered(
         profile.heights[None], pixel=pixel, axis=1, cut_off=cut_off, short=wave
     )
+    if notes and notes[-1].startswith(roughness.NO_RA):
+        raise InputError(f"the file '{profile.about['file']}' has {notes[-1]}")
     heights = rough[0] - np.nanmean(rough[0])
     if np.nanmax(np.abs(heights)) < roughness.FLAT:
         raise InputError(f"the file '{profile.about['file']}' has no roughness: its profile is flat")

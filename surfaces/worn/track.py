@@ -26,6 +26,8 @@ REACH = 1.0  # of a parabola's width, from its middle, that a track reaches with
 LEAST_OUTSIDE = 0.05  # of the width across on each side of the track, to level by
 ROUNDS = 20  # in which the track is found
 LEAST_ERRORS = 3.0  # standard errors that the net section of a track found must exceed
+NEEDLE = 0.4  # of a section in a tenth of its width, of which a parabola has 0.15 and a wedge 0.19
+SURE = 3.0  # robust standard deviations of the unworn mean profile: what is deeper is no roughness
 WIDTH_LEVELS = (0.25, 0.75)  # of the depth, between which the width is followed up to the reference
 CELLS = 96  # across, about, at which the error looks: shorter waves average out in a track
 BLOCKS = 10  # along the track, whose means are taken as correlated with their neighbours at most
@@ -107,13 +109,25 @@ class WornTrack:
         return float(-self.profile[self.inside].min())
 
     @cached_property
+    def needle(self) -> tuple[float, float] | None:
+        """Return a height [mm] below which a tenth of the trough holds much of its section, and that part.
+
+        The trough is what stands out of the roughness beside it. None where its deepest tenth holds little.
+        """
+        mean = self.profile[self.inside]
+        return _needle(mean[mean < -SURE * robust_deviation(self.profile[~self.inside], 0.0)])
+
+    @cached_property
     def width(self) -> float:
         """Return the width of the trough at the level of the reference [mm], without pile-up and margins.
 
         The width of the mean profile at 25 to 75 % of its depth, squared, is fitted by a straight line over
-        the level, as it is for a parabola, and taken on to the reference: there roughness hides the edge.
+        the level, as it is for a parabola, and taken on to the reference: there roughness hides the edge. Of
+        a `needle` nothing counts.
         """
         mean = self.profile[self.inside]
+        if self.needle is not None:
+            mean = np.maximum(mean, self.needle[0])
         pixel = (self.window[1] - self.window[0]) / mean.size
         bottom = float(ndimage.uniform_filter1d(mean, max(1, mean.size // 20) | 1).min())
         levels = np.linspace(*WIDTH_LEVELS, 21) * bottom
@@ -184,6 +198,13 @@ def find_groove(profile: Profile, *, degree: int = 1, width: float | None = None
     """Find the groove in a profile across it, as `find_track` does: a track of one section."""
     pixel = (profile.spacing, profile.spacing)
     return find_track(profile.heights[None], pixel=pixel, degree=degree, width=width)
+
+
+def _needle(heights: FloatArray) -> tuple[float, float] | None:
+    """Return the height [mm] below which a tenth of a trough, (n,), lies, and its part, None where little."""
+    deep, tenth = np.sort(heights), heights.size // 10
+    part = float(deep[:tenth].sum() / deep.sum()) if tenth else 0.0
+    return (float(deep[tenth]), part) if part > NEEDLE else None
 
 
 def _profile(heights: FloatArray) -> FloatArray:
@@ -260,6 +281,8 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     labels = ndimage.label(closed | beyond)[0]
     columns = np.flatnonzero(labels == labels[deepest])
     margin = math.ceil(MARGIN * columns.size)
+    if (needle := _needle(np.minimum(profile[columns] - centre, 0.0))) is not None:
+        smooth = np.maximum(smooth, centre + needle[0])
     # the valleys of a wavy surface would lead on from the trough; pile-up does not reach as far as it is wide
     deep = ndimage.label(ndimage.binary_closing(smooth < 0.5 * (centre + smooth[deepest]), np.ones(gap)))[0]
     trough = np.flatnonzero(deep == deep[deepest])

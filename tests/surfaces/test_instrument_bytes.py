@@ -11,7 +11,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
-from cases_instruments import metropro, opd
+from cases_instruments import MAIN, metropro, opd
 
 from warpwear.errors import InputError
 from warpwear.figures.paint_map import paint_map
@@ -152,3 +152,38 @@ def test_the_first_line_of_a_real_file_is_that_of_its_picture() -> None:
         alike, *others = (abs(np.corrcoef(slopes, one.ravel())[0, 1]) for one in turned)
         assert alike > 0.2
         assert alike > 3.0 * max(others)
+
+
+@pytest.mark.parametrize("how", ["plain", "dash", "offset", "folder", "text", "integers"])
+def test_x3p_as_instruments_write_it(tmp_path: Path, how: str) -> None:
+    """A dash in Revision, an empty Offset, a folder on top, heights as text, steps on an incremental axis."""
+    heights = np.random.default_rng(0).integers(-900, 900, size=(9, 7))
+    main = MAIN.replace("PRF", "SUR").replace("<SizeY>1<", "<SizeY>7<")
+    kind = "L" if how == "integers" else "D"
+    scale = "<Increment>1e-9</Increment>" if how == "integers" else ""
+    main = main.format(step=2e-6, kind=kind, scale=scale, count=9, valid="")
+    main = main.replace("<Increment>1</Increment>", "<Increment>3e-6</Increment>")
+    data, folder, lost = (1e-9 * heights).T.astype("<f8").tobytes(), "", how == "text"
+    if how == "dash":
+        main = main.replace("ISO5436 - 2000", "ISO5436 – 2000")
+    elif how == "offset":
+        main = main.replace("<Offset>0</Offset></CZ>", "<Offset></Offset></CZ>")
+    elif how == "folder":
+        folder = "scan 7/"
+    elif how == "text":
+        texts = [f"<Datum>{1e-9 * z:.9e}</Datum>" for z in heights.T.ravel()]
+        texts[10] = "<Datum></Datum>"
+        start = main.index("<DataLink>")
+        main = f"{main[:start]}<DataList>{''.join(texts)}</DataList></Record3></p:ISO5436_2>"
+    elif how == "integers":
+        main = main.replace("<CZ><AxisType>A", "<CZ><AxisType>I")
+        data = heights.T.astype("<i4").tobytes()
+    with zipfile.ZipFile(tmp_path / "disc.x3p", "w") as archive:
+        archive.writestr(f"{folder}main.xml", main.encode())
+        archive.writestr(f"{folder}bindata/data.bin", data)
+    found = read(tmp_path / "disc.x3p")
+    expected = 1e-6 * heights
+    if lost:
+        expected[1, 1] = np.nan
+    np.testing.assert_allclose(found.heights, expected, atol=1e-15)
+    assert found.pixel == pytest.approx((2e-3, 3e-3))

@@ -83,7 +83,7 @@ def test_units_are_not_guessed(save):
     path = save(written(POINTS))
     with pytest.raises(InputError, match=r"disc\.height_unit is not given"):
         read(path)
-    with pytest.raises(InputError, match=r"disc\.pixel is not given.*without a unit"):
+    with pytest.raises(InputError, match=r"disc\.pixel is not given.*in a unit that it does not"):
         read(path, height_unit="um")
     with pytest.raises(InputError, match=r"disc\.pixel is not given"):
         read(save(written(POINTS, header="x [mm] y [um] z [um]\n")))

@@ -201,3 +201,15 @@ def test_millimetres_that_mean_micrometres(tmp_path, rough):
         np.save(tmp_path / "disc.npy", factor * rough)
         with pytest.raises(InputError, match=rf'{what}.*allowed is at most.*disc\.height_unit, such as "um"'):
             read_measured(tmp_path / "disc.npy", pixel=PIXEL, height_unit="mm")
+
+
+def test_a_tilt_is_told_and_doubted_where_heights_over_it_are_larger(measure, rough):
+    x, y = POINTS[:, None], POINTS[None, :150]
+    for degrees, doubted in ((2.0, False), (45.0, True)):
+        slope = np.tan(np.radians(degrees))
+        found = measure(rough + slope * (0.6 * x + 0.8 * y))
+        assert found.details["tilt_degrees"] == pytest.approx(degrees, abs=0.6)
+        assert f"tilted by {found.details['tilt_degrees']:.3g}°" in found.details["operations"][-1]
+        text = " ".join(found.notices(POINTS, POINTS[:150]))
+        assert ("heights over the mean plane are vertical, 4" in text) == doubted
+    assert measure(rough, level="none").details["tilt_degrees"] < 1e-9

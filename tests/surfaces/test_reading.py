@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from fuzzing import watched
 
+from warpwear.cli.surface import surface
 from warpwear.errors import InputError
 from warpwear.surfaces import formats
 from warpwear.surfaces.measured import read_measured
@@ -120,7 +122,7 @@ def test_a_list_of_points_is_gridded_or_refused(tmp_path):
     )
     np.savetxt(path, points)
     assert read(path, pixel=0.002, height_unit="um").heights.shape == HEIGHTS.shape
-    with pytest.raises(InputError, match=r"disc\.pixel is not given.* without a unit"):
+    with pytest.raises(InputError, match=r"disc\.pixel is not given.* 0\.002 × 0\.002 apart, in a unit"):
         read(path, height_unit="um")
     np.savetxt(path, np.delete(points, [7, 100, 333], axis=0))
     assert np.isnan(read(path, pixel=0.002, height_unit="um").heights).sum() == 3
@@ -206,7 +208,7 @@ def test_files_that_are_no_surface(tmp_path, name, content):
     pytest.importorskip("SurfaceTopography")
     path = tmp_path / name
     path.write_bytes(content)
-    with pytest.raises(InputError, match=rf"disc\.surface .*{name}.*cannot be read.*allowed is") as caught:
+    with pytest.raises(InputError, match=rf"disc\.surface .*{name}.*cannot be read.*--help. lists") as caught:
         read(path, **GIVEN)
     assert "\n" not in str(caught.value)
     assert caught.value.__cause__ is not None
@@ -260,6 +262,7 @@ TESTED = {
     ".npz": "tests/surfaces/test_reading.py",
     ".zip": "tests/surfaces/files/test_container.py",
     ".gz": "tests/surfaces/files/test_layouts.py",
+    ".gwy": "tests/surfaces/files/test_several.py",
     ".prf": "tests/surfaces/profiles/test_profile.py",
     ".x3p": "tests/surfaces/profiles/test_profile.py",
     ".xyz": "tests/surfaces/test_point_cloud.py",
@@ -273,6 +276,7 @@ def test_a_format_is_tested_and_on_the_page(format):
     page = (root / "docs" / "how-to" / "your-disc.md").read_text(encoding="utf-8")
     row = f"| {format.name} | {' '.join(f'`{one}`' for one in format.endings)} |"
     assert row in page, f"docs/how-to/your-disc.md lacks the row of a format: {row}"
+    assert ending in CliRunner().invoke(surface, ["--help"]).output, "warpwear surface --help lacks a format"
     assert ending in TESTED, f"no test reads {format.name}: write one, and name its file in TESTED"
     assert (root / TESTED[ending]).is_file()
 
@@ -284,7 +288,7 @@ def test_no_ending_stands_for_two_formats():
 
 
 def test_a_format_is_added_in_one_place(tmp_path, monkeypatch):
-    """Its entry is all that reading and refusing go by."""
+    """Its entry is all that reading goes by."""
     entry = formats.HeightFormat(
         "heights of a test",
         (".test",),
@@ -294,6 +298,3 @@ def test_a_format_is_added_in_one_place(tmp_path, monkeypatch):
     monkeypatch.setattr(formats, "FORMATS", (entry, *formats.FORMATS))
     (tmp_path / "disc.dat").write_bytes(b"TEST and more")
     assert read(tmp_path / "disc.dat").format == "test"
-    (tmp_path / "disc.npy").write_bytes(b"no array")
-    with pytest.raises(InputError, match=r"heights of a test \(\.test\)"):
-        read(tmp_path / "disc.npy", pixel=1e-3, height_unit="um")

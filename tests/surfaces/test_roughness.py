@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warpwear.surfaces.roughness import developed_area, rms_slope, roughness
+from warpwear.surfaces.roughness import developed_area, profile_roughness, rms_slope, roughness
 
 
 def test_of_a_sine():
@@ -48,3 +48,16 @@ def test_slope_of_a_tilt_uses_each_axis_own_pixel():
 
 def test_a_flat_has_no_nan():
     assert set(roughness(np.full((4, 4), 2.0), pixel=(1.0, 1.0)).values()) == {0.0}
+
+
+def test_a_field_shorter_than_the_filters_has_no_ra():
+    """Of an AFM's field a wave of λs is longer than the field: what it left, 0.003 nm, was no roughness."""
+    heights = 4e-6 * np.random.default_rng(0).normal(size=(64, 64))
+    for pixel in (1e-6, 3e-5, 1.9e-4):  # mm: fields of 0.064, 2 and 12 µm
+        found = profile_roughness(heights, pixel=(pixel, pixel), axis=0, cut_off=2.5, short=0.008)
+        assert found.ra is None
+        assert "no Ra: profiles of" in found.notes[0]
+        assert not any("reduced" in note for note in found.notes)
+    found = profile_roughness(heights, pixel=(3e-5, 3e-5), axis=0, cut_off=2.5, short=1e-4)
+    assert found.short == 1e-4
+    assert found.ra is not None

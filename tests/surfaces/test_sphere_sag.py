@@ -8,6 +8,7 @@ import pytest
 
 from warpwear.errors import InputError
 from warpwear.laws.form import sag
+from warpwear.surfaces.sphere import Sphere, fit_sphere, places
 
 
 def test_is_the_closed_form_where_that_is_well_conditioned():
@@ -44,3 +45,18 @@ def test_an_infinite_radius_is_flat():
 def test_refuses_a_radius_that_is_not_positive(radius):
     with pytest.raises(InputError, match=r"counter\.radius"):
         sag(np.zeros(1), np.zeros(1), radius=radius)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("reach", [0.7, 0.875, 0.95, 0.99])
+def test_a_sphere_is_fitted_nearly_to_its_equator(reach, side):
+    """A parabola, from which the search begins, bends too much beyond 0.84 of the radius."""
+    pixel = (0.8 * reach / 60,) * 2
+    x, y = places((60, 60), pixel)
+    heights = side * Sphere((0.01, -0.02, 0.1), 0.4).heights(x, y)
+    heights[np.hypot.outer(x - 0.01, y + 0.02) > 0.4 * reach] = np.nan
+    heights += 1e-4 * np.random.default_rng(0).normal(size=heights.shape)
+    for given in (None, 0.4 * side):
+        found = fit_sphere(heights, pixel=pixel, radius=given)
+        assert found.radius == pytest.approx(0.4 * side, rel=3e-4)
+        assert found.apex == pytest.approx((0.01, -0.02, 0.1 * side), abs=1e-4)

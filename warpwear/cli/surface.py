@@ -15,9 +15,9 @@ from warpwear.errors import InputError
 PREPARATION = {
     "--pixel": "Distance of the points, e.g. '0.5 um' or '0.5 um, 0.6 um'; overrides the file.",
     "--height-unit": "Unit of the heights: m, mm, um or nm; overrides the file.",
-    "--array": "Which array of a .npz, or measurement of a .zip, by name or number.",
+    "--array": "Which array, channel, column or measurement of several in the file, by name or number.",
     "--height-sign": "down turns heights over (the file gives depths).",
-    "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size such as '1 mm'.",
+    "--crop": "Part used: 'x0, x1, y0, y1' from the corner, of a profile 'x0, x1', or a size such as '1 mm'.",
     "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
     "--outliers": "Remove spikes: points more than this many robust standard deviations off, e.g. 6.",
     "--level": "none, plane, sphere, cylinder or a degree of a polynomial. [default: plane]",
@@ -60,7 +60,12 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 def surface(file: Path | None, **options: Any) -> None:
     """Say what is in a measured surface FILE: grid, units, roughness, spectrum, and draw it.
 
-    FILE may hold a profile, too: its parameters of ISO 21920, with --track the section of a groove in it.
+    FILE is an array (.npy, .npz), a container of contact.engineering (.zip), a file of Gwyddion (.gwy), an
+    archive of ISO 25178-72 (.x3p), a profile (.prf), text of points x y z or of a matrix (.xyz, .txt, .csv,
+    .asc, .dat, .tsv, .hfm), any height map or profile that SurfaceTopography reads (.al3d, .sur, .opd, .plu,
+    .mnt, .sdf, .tmd and others), or one of these packed (.gz).
+
+    It may hold a profile, too: its parameters of ISO 21920, with --track the section of a groove in it.
     With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
     --ball that of a worn ball.
     """

@@ -9,8 +9,9 @@ from warpwear.figures.describe import DISC, Axis, Chart, Figure, Level, Line, Lo
 from warpwear.grid import FloatArray
 from warpwear.measured.options import quantity
 from warpwear.measured.surface_figure import ZERO, stack
-from warpwear.measured.surface_report import DOUBTED, ERROR
+from warpwear.measured.surface_report import DOUBTED, ERROR, needle_row
 from warpwear.results.report import Row, lines, record, times
+from warpwear.surfaces.levelling import tilt
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.profiles.profile import Parameters, Profile, checked, material_ratio
 from warpwear.surfaces.roughness import material_ratio_curve
@@ -43,6 +44,9 @@ def line_of(surface: Measured, line: str) -> Profile:
 def profile_rows(profile: Profile, degree: int, beside: str = "") -> list[Row]:
     """Declare what was read. degree: of the polynomial taken off, beside: fitted to what."""
     form = f"polynomial of degree {degree}{beside} taken off"
+    if degree and not beside:
+        off = profile.heights - profile.levelled(degree).heights
+        form += f", tilted by {tilt(off[:, None], pixel=(profile.spacing, 1.0)):.3g}°"
     about = profile.about
     return [
         *(Row("", key, value) for key, value in about.items()),
@@ -101,6 +105,7 @@ def groove_rows(groove: WornTrack) -> list[Row]:
         Row("above", "section_above_um2", 1e6 * above, digits=3),
         Row("section", "section_um2", 1e6 * net, 5, ERROR, 1e6 * error),
         Row("warning", "warning", doubt if error > DOUBTED * abs(net) else None),
+        needle_row(groove),
     ]
 
 

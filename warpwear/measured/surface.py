@@ -24,7 +24,7 @@ from warpwear.study.text import sentence
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
-from warpwear.surfaces.profiles.profile import Parameters, Profile, parameters, profile_in
+from warpwear.surfaces.profiles.profile import Parameters, Profile, far_off, parameters, profile_in
 from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.find_scar import find_scar
@@ -35,7 +35,7 @@ from warpwear.surfaces.worn.waviness import CHANGED, ROUGH
 #: Keys of [disc] that are lengths, those that may hold several values, and those without a unit.
 LENGTHS, LISTS, NUMBERS = ("pixel", "crop", "s_filter", "l_filter"), ("pixel", "crop"), ("outliers", "level")
 #: Keys of [disc] that say how a profile is read, too.
-LINE = ("pixel", "height_unit", "height_sign", "array", "level")
+LINE = ("pixel", "height_unit", "height_sign", "array", "level", "crop", "outliers")
 #: Names of keys that sentences about [disc] name.
 KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 #: Option -> the one that it needs, and pairs that exclude each other.
@@ -178,7 +178,8 @@ def read_profile(
     lambda_c, lambda_s
         Cut-offs [mm], or text with a unit; by default those of ISO 21920-3.
     **how
-        As for `read_surface`; of a profile pixel, height_unit, array, height_sign and level.
+        As for `read_surface`; of a profile pixel, height_unit, array, height_sign, crop (from and to),
+        outliers and level.
 
     Returns
     -------
@@ -211,7 +212,11 @@ def read_profile(
     degree = _degree(how.get("level"))
     level = profile.levelled(degree)
     result = parameters(level, cut_off=cut_off, short=short)
-    rows = [*profile_report.profile_rows(profile, degree), *profile_report.parameter_rows(result)]
+    rows = [
+        *profile_report.profile_rows(profile, degree),
+        *profile_report.parameter_rows(result),
+        Row("warning", "warning", far_off(level.heights)),
+    ]
     return MeasuredProfile(
         text=with_options("\n".join(profile_report.profile_lines(rows))),
         rows=rows,
@@ -404,13 +409,15 @@ def _profile_in(file: str | Path, preparation: Preparation) -> Profile:
     of_maps = {flag(key): value for key, value in preparation.items() if key not in LINE}
     refuse(of_maps, "is for a map of heights, and FILE holds a profile")
     try:
-        _disc(file, preparation)  # refuses what is not allowed
+        disc = _disc(file, preparation)  # refuses what is not allowed
         return profile_in(
             file,
             spacing=optional("--pixel", preparation.get("pixel"), "mm"),
             height_unit=preparation.get("height_unit"),
             array=preparation.get("array"),
             down=preparation.get("height_sign") == "down",
+            crop=disc.crop,
+            deviations=disc.outliers,
         )
     except InputError as error:
         raise InputError(with_options(str(error))) from error

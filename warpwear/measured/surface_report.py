@@ -207,6 +207,7 @@ def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
         Row("", "length_mm", track.length),
         Row("volume", "volume_mm3", volume, digits=5, error=error, note=measured),
         Row("warning", "warning", doubt),
+        needle_row(track),
     ]
     if length is None:
         return rows
@@ -214,6 +215,14 @@ def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
     alike = f"over {length:.4g} mm, were it all like the measured piece"
     whole = Row("whole track", "whole_volume_mm3", volume, digits=5, error=error, note=alike)
     return [*rows, Row("", "whole_length_mm", length), whole]
+
+
+def needle_row(track: WornTrack) -> Row:
+    """Declare that a scratch or a lost point may pass for wear."""
+    if track.needle is None:
+        return Row("warning", "needle", None)
+    part = f"{100.0 * track.needle[1]:.2g} % of the section lies in a tenth of its width"
+    return Row("warning", "needle", f"{part}: a scratch, or wear? --outliers takes off what stands out")
 
 
 def before_rows(changed: Difference, *, file: str) -> list[Row]:

@@ -131,7 +131,9 @@ class MeasuredBody(Section):
     height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(
         None, "unit of the file's heights, needed by .npy; overrides what a file says"
     )
-    array: str | None = file_key(None, "which array of a .npz, or measurement of a .zip, by name or number")
+    array: str | None = file_key(
+        None, "which array, channel, column or measurement of a file with several, by name or number"
+    )
 
 
 class Shape(Section):

@@ -98,7 +98,7 @@ def test_profiles_and_columns_are_named(tmp_path: Path) -> None:
     scans = "".join(f",Scan {k} (Å)" for k in range(7))
     rows = "\n".join(",".join(map(str, (0.5 * i, *line))) for i, line in enumerate(HEIGHTS))
     path.write_text(f"Dektak\nScan Type,Map\nLateral (µm){scans}\n{rows}\n")
-    assert "whose first column, 'Lateral (µm)', is no height" in refusal(path, **GIVEN)
+    assert "several named columns: disc.array gives a number or a name of: 0 (Lat" in refusal(path, **GIVEN)
 
 
 def test_small_files_do_not_fill_the_memory(tmp_path: Path) -> None:

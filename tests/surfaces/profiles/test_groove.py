@@ -9,6 +9,8 @@ from cases_instruments import profile, rough
 from scipy import stats
 
 from warpwear.errors import InputError
+from warpwear.measured.profile_report import groove_rows
+from warpwear.results.report import lines
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.worn.track import find_groove
 
@@ -109,3 +111,21 @@ def test_no_groove_is_refused_and_a_width_measures_anyway() -> None:
         find_groove(plain)
     found = find_groove(plain, width=0.5)
     assert abs(found.net[0]) < 3.0 * found.net_error
+
+
+def test_a_needle_in_a_groove_is_told_and_makes_no_width() -> None:
+    y = 1e-3 * np.arange(1000)
+    for seed in range(3):
+        unworn = rough(np.random.default_rng(seed), y.size, 1e-3, hurst=0.8, roll_off=0.05, rq=5e-5)
+        plain = unworn + groove(0.105, 1e-3, 0.5, y)
+        scratched = plain.copy()
+        scratched[480 + 10 * seed : 489 + 10 * seed] -= 0.011
+        before, after = (find_groove(profile(z, 1e-3)) for z in (plain, scratched))
+        assert before.needle is None
+        assert after.needle is not None
+        assert after.needle[1] > 0.5
+        assert after.width == pytest.approx(before.width, rel=0.03) == pytest.approx(0.105, rel=0.06)
+        assert after.net[0] - before.net[0] == pytest.approx(9 * 0.011 * 1e-3, rel=0.1)
+        text = "\n".join(lines(groove_rows(after)))
+        assert "% of the section lies in a tenth of its width: a scratch, or wear?" in text
+        assert "tenth of its width" not in "\n".join(lines(groove_rows(before)))

@@ -7,7 +7,9 @@ import pytest
 from cases_instruments import prf, sdf, x3p
 
 from warpwear.errors import InputError
-from warpwear.surfaces.profiles.profile import profile_in
+from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.preparation import Preparation
+from warpwear.surfaces.profiles.profile import Profile, far_off, parameters, profile_in
 from warpwear.surfaces.reading import HoldsAProfile, read
 
 SPACING = 0.0005
@@ -127,3 +129,45 @@ def test_a_line_scan_of_surfacetopography(tmp_path: Path) -> None:
     profile = profile_in(tmp_path / "p.nc")
     assert profile.spacing == pytest.approx(SPACING, rel=1e-6)
     np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-12)
+
+
+def noted(tmp_path: Path, heights: np.ndarray, **how: object) -> Profile:
+    np.save(tmp_path / "p.npy", 1e3 * heights)
+    return profile_in(tmp_path / "p.npy", spacing=SPACING, height_unit="um", **how)
+
+
+@pytest.mark.parametrize("mark", [-999.0, -25400.0, 9999.0, 0.0])
+def test_a_value_that_repeats_far_outside_marks_lost_points(tmp_path: Path, mark: float) -> None:
+    heights = 1e-3 * np.random.default_rng(0).normal(size=400) + (0.2 if mark == 0.0 else 0.0)
+    lost = heights.copy()
+    lost[[5, 40, 41, 300]] = 1e-3 * mark
+    profile = noted(tmp_path, lost)
+    assert profile.about["notes"][0].startswith(f"4 points hold {mark:g} um, which repeats far outside")
+    np.testing.assert_array_equal(np.flatnonzero(profile.missing), [5, 40, 41, 300])
+    assert parameters(profile.levelled(1)).ra == pytest.approx(
+        parameters(noted(tmp_path, heights).levelled(1)).ra, rel=0.02
+    )
+    for honest in (heights, np.maximum(heights, heights.mean()), np.where(np.arange(400) < 300, 0.0, -1.0)):
+        assert not noted(tmp_path, honest).missing.any()
+
+
+def test_outliers_and_crop_of_a_profile(tmp_path: Path) -> None:
+    heights = 1e-3 * np.random.default_rng(0).normal(size=400)
+    heights[[50, 200]] = 0.03, -0.05
+    assert "lowest point lies 16 Rq off the middle" in str(far_off(noted(tmp_path, heights).heights))
+    assert far_off(1e-3 * np.random.default_rng(0).normal(size=400)) is None
+    many = np.where(np.arange(400) % 20 == 7, -0.05 - 1e-4 * np.arange(400), heights)
+    assert "lowest point" in str(far_off(many)), "twenty of them hide in their own Rq"
+    whole = noted(tmp_path, heights, deviations=6.0)
+    np.testing.assert_array_equal(np.flatnonzero(whole.missing), [50, 200])
+    assert whole.about["notes"][0].startswith("outliers: 2 points farther than 6 robust standard deviations")
+    part = noted(tmp_path, heights, crop=(100 * SPACING, 300 * SPACING))
+    np.testing.assert_allclose(part.heights, heights[100:300])
+    middle = noted(tmp_path, heights, crop=(200 * SPACING, 200 * SPACING))
+    np.testing.assert_allclose(middle.heights, heights[100:300])
+    with pytest.raises(InputError, match=r"disc\.crop is .* allowed is from, to within 0 to"):
+        noted(tmp_path, heights, crop=(0.0, 401 * SPACING))
+    how = Preparation(outliers=6.0, crop=(0.0, 300 * SPACING))
+    disc = read_measured(tmp_path / "p.npy", how, profile=True, pixel=SPACING, height_unit="um")
+    assert disc.filled is not None
+    np.testing.assert_array_equal(np.flatnonzero(disc.filled[:, 0]), [50, 200])

@@ -1,10 +1,12 @@
 """Worn tracks and worn balls of known volume."""
 
 import math
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from warpwear.errors import InputError
 from warpwear.measured.surface_report import patch_rows, track_rows
@@ -184,8 +186,8 @@ def test_a_radius_that_cannot_be_told_is_refused():
 @pytest.mark.parametrize(
     ("flat", "count"),
     [
-        (0.0005, 4),
-        pytest.param(0.0005, 8, marks=pytest.mark.slow),
+        (0.0008, 4),
+        pytest.param(0.0008, 8, marks=pytest.mark.slow),
         pytest.param(0.001, 8, marks=pytest.mark.slow),
     ],
 )
@@ -241,3 +243,33 @@ def test_two_diagonals_are_equation_3_1():
             cap_of_diagonals(*bad, radius=3.0)
     with pytest.raises(InputError, match=r"--radius is 0 mm"):
         cap_of_diagonals(1.0, 1.0, radius=0.0)
+
+
+def correlated(seed, depth, sq=1e-4):
+    """Return heights [mm] of a ball of 3 mm, rough by Sq over 7 pixels, with a flat; the volume [mm³]."""
+    rng, pixel = np.random.default_rng(seed), (0.002, 0.002)
+    x, y = places((90, 90), pixel)
+    field = ndimage.gaussian_filter(rng.normal(size=(130, 130)), 3.5)[20:110, 20:110]
+    sphere = Sphere((0.0, 0.0, 0.2), 3.0).heights(x, y)
+    worn = np.minimum(sphere, 0.2 - depth)
+    return worn + sq * field / field.std(), float((sphere - worn).sum()) * pixel[0] ** 2
+
+
+def test_the_deepest_of_many_places_of_an_unworn_ball_is_no_wear():
+    """All were told as worn, with three standard errors."""
+    for seed in range(6):
+        with pytest.raises(InputError, match=r"nothing on the ball stands out as worn"):
+            find_worn_ball(correlated(seed, 0.0)[0], pixel=(0.002, 0.002), radius=3.0)
+    for seed in range(3):
+        heights, volume = correlated(seed, 5e-4, 5e-5)
+        found = find_worn_ball(heights, pixel=(0.002, 0.002), radius=3.0)
+        assert abs(found.volume - volume) < 2.5 * found.volume_error
+
+
+@pytest.mark.slow
+def test_false_alarms_of_unworn_balls():
+    told = 0
+    for seed in range(200):
+        with suppress(InputError):
+            told += bool(find_worn_ball(correlated(seed, 0.0)[0], pixel=(0.002, 0.002), radius=3.0))
+    assert told <= 10
