@@ -145,6 +145,26 @@ def test_strokes_give_stroke_and_track(tmp_path: Path) -> None:
         drafted([test], like="pin")
 
 
+def test_a_lap_of_a_circle_is_no_stroke(tmp_path: Path) -> None:
+    """Laps beside distances tell a lap, which the rig by default would have as a stroke."""
+    lines = [f"{10.0 * k},{k / 4.0},0.5,5" for k in range(400)]
+    Path("round.csv").write_text("\n".join(["Distance [mm],Laps,CoF,Fz [N]", *lines]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"round goes round: like rotating or pin is its rig, not recip"):
+        drafted(["round.csv"], like="reciprocating", wear__disc=0)
+    study, _ = drafted(["round.csv"], wear__disc=0)
+    assert study.sliding.track_radius == pytest.approx(40.0 / 6.2831853, rel=1e-3)
+
+
+def test_a_seed_says_nothing_of_the_roughness(tmp_path: Path) -> None:
+    known = {key: value for key, value in GIVEN.items() if key != "disc.synthetic.sq"} | RADIUS
+    changes = known | {"wear.disc": 0, "disc.synthetic.seed": 3}
+    tests = [lab_record(tmp_path / "test-1.csv", 0, jumps=False)]
+    with pytest.raises(InputError, match=r"no file says disc\.synthetic\.sq"):
+        warpwear.new_study(like="rotating", tests=tests, changes=changes)
+    flat = warpwear.new_study(like="rotating", tests=tests, changes=changes | {"disc.synthetic.kind": "flat"})
+    assert flat.disc.synthetic.kind == "flat"
+
+
 def test_keys_of_a_study_may_stand_beside_the_tests(tmp_path: Path) -> None:
     lab(tmp_path, jumps=False)
     table = "\n".join(

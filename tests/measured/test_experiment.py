@@ -12,6 +12,8 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import read_experiment
 from warpwear.measured.experiment import Experiment
+from warpwear.measured.motion import motion_of_runs
+from warpwear.study.study import Study
 
 
 def read(folder: Path, content: str | bytes, **options: Any) -> Experiment:
@@ -252,3 +254,13 @@ def test_final_coefficient_is_the_mean_over_the_last_tenth() -> None:
         assert Experiment("e", distance, 2.0 * distance).final_cof == pytest.approx(190.0)
     assert Experiment("e", np.array([5.0]), np.array([0.3])).final_cof == 0.3
     assert Experiment("e", np.array([98.0, 100.0]), np.array([0.2, 0.4])).final_cof == pytest.approx(0.3)
+
+
+def test_what_runs_say_of_a_record() -> None:
+    """A frequency says a speed, too; what runs differ in is not known."""
+    study = Study.load("first")
+    said = motion_of_runs(study)
+    assert (said.load, said.stroke, said.run_speed, said.speed, said.radius) == (5.0, 5.0, 10.0, None, None)
+    both = motion_of_runs(study, study.replace({"contact.load": "8 N"}))
+    assert (both.load, both.stroke) == (None, 5.0)
+    assert motion_of_runs().run_speed is None

@@ -33,7 +33,6 @@ CONDITIONS = {
 CHOICES = {"study.name", "study.description", "counter.shape", "contact.law", "disc.synthetic.kind"}
 CHOICES |= {"disc.synthetic.cut_off", "grid.cell", "grid.extent", "sliding.track"}
 STANDS = {f"{body}.material": f"{body}.young" for body in ("counter", "disc")}
-STANDS["disc.synthetic.sq"] = "disc.synthetic."
 #: How records are read -> the keys of a study that say it.
 READ = {"load": "contact.load", "radius": CIRCLE[0], "stroke": "sliding.stroke", "speed": "sliding.speed"}
 
@@ -75,9 +74,12 @@ def from_tests(
 
 def unknown(document: Mapping[str, Any], known: Mapping[str, Any]) -> list[str]:
     """Write the facts that a draft has examples of, and neither files nor a person say."""
+    examples = dotted(document)
+    if examples.get("disc.synthetic.kind") == "flat":
+        del examples["disc.synthetic.sq"]  # which plays no part
     return [
         f"{name}={value!r}"
-        for name, value in dotted(document).items()
+        for name, value in examples.items()
         if name not in CHOICES and not any(key.startswith((name, STANDS.get(name, name))) for key in known)
     ]
 
@@ -93,8 +95,10 @@ def _conditions(
     """Give conditions of the tests as keys of a study, with where they are from. Raises InputError."""
     way, part, how = WAYS[like]
     for test in tests:
-        if like != "reciprocating" and any(step.laps.unit == "cycle" for step in test.steps):
-            raise InputError(f"{test.name} goes to and fro: --like reciprocating is its rig, not {like}")
+        ways = {step.is_circle for step in test.steps if step.track}
+        if (like == "reciprocating") in ways:
+            own = "round: --like rotating or pin" if True in ways else "to and fro: --like reciprocating"
+            raise InputError(f"{test.name} goes {own} is its rig, not {like}")
         if _differ([step.load or math.nan for step in test.steps] or [1.0]):
             raise InputError(f"{test.name} has steps under several loads: a study of these has [[block]]")
     for name, (key, unit, source) in {**CONDITIONS, way: ("length", "mm", how)}.items():

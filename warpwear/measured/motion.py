@@ -10,6 +10,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.rows import RecordRows, without
+from warpwear.study.study import Study
 
 #: Of a track: a number in mm or text with its unit, one or one for each step, "6 mm, 9 mm".
 Radius: TypeAlias = float | str | Sequence[float | str]
@@ -55,6 +56,13 @@ def motion_of(*, radius: Radius | None = None, **others: Any) -> Motion:
     tracks = radii if isinstance(radii, list) else [] if radii is None else [radii]
     known = {name: optional(f"--{name}", value, UNITS[name]) for name, value in others.items()}
     return Motion(radius=[quantity("--radius", track, "mm") for track in tracks] or None, **known)
+
+
+def motion_of_runs(*studies: Study) -> Motion:
+    """Return what studies say of a record that is laid beside their runs, None where they differ."""
+    said = [(s.same_load, s.sliding.mean_speed, s.sliding.stroke, s.same_radius) for s in studies]
+    alike = (each[0] if len({*each}) == 1 else None for each in zip(*said, strict=True))
+    return Motion(**dict(zip(("load", "run_speed", "stroke", "radius"), alike, strict=False)))
 
 
 def moving(rows: RecordRows) -> tuple[RecordRows, list[str]]:
@@ -189,14 +197,14 @@ def _radius(rows: RecordRows, radius: float | Sequence[float] | None) -> FloatAr
 def _by_laps(laps: FloatArray, track: FloatArray, rows: RecordRows) -> tuple[FloatArray, str, str]:
     """Return the distance by laps [mm], counted from the first row where many went before."""
     first = float(np.append(laps[np.isfinite(laps + track)], 0.0)[0])
-    before = first if first > BEFORE else 0.0
+    start = first if first > BEFORE else min(first, 0.0)
 
     def along(laps: FloatArray, track: FloatArray) -> FloatArray:
-        return 2.0 * np.pi * np.cumsum(np.diff(laps, prepend=first - max(first - before, 0.0)) * track)
+        return 2.0 * np.pi * np.cumsum(np.diff(laps, prepend=start) * track)
 
     note = "Distance is laps times 2π radius."
-    if before:
-        note += f" It is counted from the first row, at '{rows.chosen['laps'].title}' {before:g}."
+    if start > 0.0:
+        note += f" It is counted from the first row, at '{rows.chosen['laps'].title}' {start:g}."
     return _over_gaps(along, laps, track), "laps", note
 
 

@@ -18,8 +18,9 @@ from warpwear.batches.plan import Plan, read_plan
 from warpwear.batches.run_one import RunRow
 from warpwear.ensembles.table import read_csv
 from warpwear.errors import InputError, named_in_python
-from warpwear.measured.course import read_experiment
-from warpwear.measured.rows import Paths
+from warpwear.measured.course import experiment_of
+from warpwear.measured.motion import motion_of_runs
+from warpwear.measured.rows import Paths, read_rows
 from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.study.units import several
@@ -129,9 +130,8 @@ def make_sweep(
     where: as of `executor_for`. on_cost: is called with what it will take, which one run tells. calls: of
     `make_runs`. Raises InputError.
     """
-    study, slid = plan.study, plan.study.sliding
-    motion: Any = {"run_speed": slid.speed, "stroke": slid.stroke, "radius": study.same_radius}
-    measured = tuple(read_experiment(path, load=study.same_load, **motion) for path in experiments)
+    motion = motion_of_runs(plan.study)
+    measured = tuple(experiment_of(read_rows(path), motion) for path in experiments)
     if out is not None:
         check_folder(out, resume=resume, files=FILES)
         check_runs(plan, out)

@@ -28,6 +28,7 @@ class RecordStep:
     is not known. before: distance slid in the steps before [mm]. states: constants of a course that jumps.
     others: name and unit of a further column -> its means, (groups,), NaN where there are none. speed: of
     sliding [mm/s]; track: length of the circle or stroke [mm]; None where neither file nor person says them.
+    is_circle: whether the track is a circle, by a radius or a count of laps.
     """
 
     name: str
@@ -41,6 +42,7 @@ class RecordStep:
     others: Mapping[str, FloatArray] = field(default_factory=dict)
     speed: float | None = None
     track: float | None = None
+    is_circle: bool = False
 
     @property
     def slid(self) -> float:
@@ -117,8 +119,10 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
             (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
     others, speed = _others(rows, motion, laps), _speed(rows, motion, course)
     turns = motion.radius is not None or {"radius", "laps"} & rows.table.keys()  # a cycle may be to and fro
-    track = 0.5 * laps.length if by_cycles else motion.stroke or (lap if turns else None)
-    return RecordStep(name, course, laps, events, load, energy, before, states, others, speed, track)
+    circle = lap if turns and not by_cycles and motion.stroke is None else None
+    track = 0.5 * laps.length if by_cycles else motion.stroke or circle
+    told = (load, energy, before, states, others, speed, track)
+    return RecordStep(name, course, laps, events, *told, is_circle=circle is not None)
 
 
 def _speed(rows: RecordRows, motion: Motion, course: Experiment) -> float | None:
