@@ -73,7 +73,7 @@ def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert again.exit_code == 0, again.output
     assert "Sa 0." in again.output
     assert again.output.count("\n") <= 10 < done.output.count("\n")
-    assert "rough.npy-surface.png is there already and was not drawn again" in again.output
+    assert "rough.npy-surface.png is there already and was not written again" in again.output
     refused = surface("../files/rough.npy", *GIVEN, "--figure", "rough.npy-surface.png")
     assert isinstance(refused.exception, InputError)
     assert "rough.npy-surface.png is there already" in refused.exception.sentence

@@ -19,7 +19,6 @@ from warpwear.ensembles.datum import COLUMNS, Datum, headline, lines_of_data
 from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.ensembles.table import write_csv
 from warpwear.errors import InputError, named_in_python
-from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.sections import under_headings
 from warpwear.figures.wording import counted
@@ -29,16 +28,12 @@ from warpwear.measured.friction.events import events_of, laps_of
 from warpwear.measured.friction.report import notes_of
 from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
-from warpwear.measured.report import Report
+from warpwear.measured.report import FolderReport, Report
 from warpwear.measured.rows import read_rows
-from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.page.html import page_of
-from warpwear.results.folder import check_folder
 from warpwear.results.report import Row, to_json
 from warpwear.version import __version__
 
-#: What every folder of repeats has, and its page.
-MARK, PAGE = "repeats.json", "repeats.html"
 #: Number of a test -> its label and its unit.
 ASKED = {
     "level": ("level of friction", ""),
@@ -61,7 +56,7 @@ HOW = (
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class RepeatedTests(Report, WrittenAsFolder):
+class RepeatedTests(Report, FolderReport):
     """Several tests of one pair have means, scatter, and an interval for the next test; `print` shows them.
 
     Attributes
@@ -76,6 +71,8 @@ class RepeatedTests(Report, WrittenAsFolder):
         Standard error of a mean, as a part of it, for which tests are counted.
     """
 
+    MARK = "repeats.json"
+    WHAT = "repeats"
     tests: tuple[PairTest, ...]
     found: Mapping[str, RepeatedNumber]
     than: "RepeatedTests | None" = None
@@ -130,8 +127,7 @@ class RepeatedTests(Report, WrittenAsFolder):
         more = f"; {counted(count, 'warning')} of records, on the page and in JSON" * bool(count)
         return "\n".join([self._title(), *lines, f"  {headline(self.data)}{more}"])
 
-    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
-        check_out(folder, file_format=file_format, overwrite=overwrite)
+    def _parts(self, folder: Path) -> dict[str, Any]:
         columns = {key: [datum.entry[key] for datum in self.data] for key in COLUMNS}
         figures = {"courses": self._declared()} if any(test.course for test in self.tests) else {}
         caption = "Each test, their mean and standard deviation, and where the next test will lie (90 %)."
@@ -143,21 +139,12 @@ class RepeatedTests(Report, WrittenAsFolder):
             "files": "repeats",
             "sections": under_headings(figures, [("Courses", "courses", ("courses",), caption)]),
         }
-        return write_report(
-            folder,
-            figures,
-            pages={PAGE: partial(page_of, "record.html", content)},
-            files={"repeats.csv": partial(write_csv, columns), MARK: to_json(self.numbers) + "\n"},
-            marks=[MARK],
-            file_format=file_format,
-            older=["courses"],
-        )
-
-
-def check_out(folder: Path, *, file_format: str, overwrite: bool) -> None:
-    """Raise InputError for what `write` would refuse."""
-    style.check_format(file_format)
-    check_folder(folder, [MARK], what="repeats", overwrite=overwrite)
+        return {
+            "figures": figures,
+            "pages": {"repeats.html": partial(page_of, "record.html", content)},
+            "files": {"repeats.csv": partial(write_csv, columns), self.MARK: to_json(self.numbers) + "\n"},
+            "older": ["courses"],
+        }
 
 
 @named_in_python()

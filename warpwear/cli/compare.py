@@ -55,7 +55,7 @@ def compare(folders: tuple[Path, ...], out: Path, file_format: str, overwrite: b
     how, scar = prepared(settings), settings["scar"]
     of_scar = {"before": settings["before"], **how}
     compared.check_choice(folders, settings["experiments"], scar, of_scar)
-    compared.check_out(out, file_format=file_format, overwrite=overwrite)
+    compared.ComparedRuns.check_out(out, file_format=file_format, overwrite=overwrite)
     comparison = compared.compare(*folders, **settings, **how)
     click.echo(comparison_table.to_text(comparison))
     for path in comparison.write(out, file_format=file_format, overwrite=overwrite):

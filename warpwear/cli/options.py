@@ -23,6 +23,20 @@ def together(*options: Option) -> Option:
     return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
+def place_for(out: Path | None, default: Path | None, *, overwrite: bool) -> tuple[Path | None, str]:
+    """Choose where a report goes: `out`, or the default; nowhere, and why, where the default is there."""
+    if out or overwrite or default is None or not default.exists():
+        return out or default, ""
+    return None, f"{default} is there already and was not written again: --overwrite replaces it"
+
+
+#: How records are read.
+READING = together(
+    click.option("--stroke", help="Length of one stroke, where there is no position."),
+    click.option("--speed", help="Sliding speed, where there is a time alone."),
+    click.option("--load", help="Normal load, where it is not recorded."),
+    click.option("--columns", metavar="NAMES", help="'DISTANCE,COF', 'TIME,FX,FZ' or 'TIME,FX,FZ,POSITION'."),
+)
 _TEXTS = {
     "volume_counter": "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'.",
     "volume_disc": "Worn volume of the disc.",
@@ -41,7 +55,7 @@ IN_TESTS = {
     "profile": repeated("--profile", "FILE", "Profile across a test's track, or topography.", type=PATH),
     "ball": repeated("--ball", "FILE", "Topography of a test's worn ball.", type=PATH),
 } | {key: MEASURED[key] for key in ("volume_counter", "volume_disc", "section", "scar")}
-FOLDER = FOLDER = click.argument("folder", metavar="DIR", type=PATH)
+FOLDER = click.argument("folder", metavar="DIR", type=PATH)
 DETAILS = click.option("--details", is_flag=True, help="Print all lines, not the ten that say most.")
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")

@@ -6,17 +6,14 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import DETAILS, FORMAT, PATH
+from warpwear.cli.options import DETAILS, FORMAT, PATH, READING, place_for
 from warpwear.cli.places import records, reports, written
 
 
 @click.command()
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=PATH)
 @click.option("--radius", help="Radius of the track, e.g. '6 mm'; of several steps '6 mm, 9 mm'.")
-@click.option("--stroke", help="Length of one stroke, where there is no position.")
-@click.option("--speed", help="Sliding speed, where there is a time alone.")
-@click.option("--load", help="Normal load, where it is not recorded.")
-@click.option("--columns", metavar="NAMES", help="'DISTANCE,COF', 'TIME,FX,FZ' or 'TIME,FX,FZ,POSITION'.")
+@READING
 @click.option("--zero", is_flag=True, help="Take off the friction force that is shown without load.")
 @click.option("--out", type=PATH, help="Folder for page, table and figures. [default: FILE's name + -record]")
 @FORMAT
@@ -46,16 +43,13 @@ def describe(files: Sequence[Path], **choices: Any) -> str:
     details = choices.pop("details", False)
     overwrite, as_json = choices.pop("overwrite", False), choices.pop("as_json", False)
     how = {"file_format": choices.pop("file_format", "png"), "overwrite": overwrite}
-    folder, first, end = choices.pop("out", None), files[0].resolve(), ""
-    if folder is None and not as_json:
-        folder = Path(f"{first.name if first.is_dir() else first.stem}-record")
-        if folder.exists() and not overwrite:  # the numbers are asked for all the same
-            end = f"{folder} is there already and was not written again: --overwrite replaces it"
-            folder = None
+    first = files[0].resolve()
+    default = None if as_json else Path(f"{first.name if first.is_dir() else first.stem}-record")
+    folder, end = place_for(choices.pop("out", None), default, overwrite=overwrite)
     if folder is not None:
-        records.check_out(folder, **how)
+        records.FrictionRecord.check_out(folder, **how)
     report = records.read_record(files if len(files) > 1 else files[0], **choices)
     if folder is not None:
         report.write(folder, **how)
-        end = f"written to {folder}/: {records.PAGE}, {records.TABLE}, {records.MARK}, figures"
+        end = f"written to {folder}/: {records.PAGE}, {records.TABLE}, {report.MARK}, figures"
     return written.to_json(report.numbers) if as_json else reports.closed(report.text, end, details=details)

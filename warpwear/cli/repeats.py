@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import FORMAT, IN_TESTS, PATH, repeated, together
+from warpwear.cli.options import FORMAT, IN_TESTS, PATH, READING, place_for, repeated, together
 from warpwear.cli.places import repeated_tests, written
 from warpwear.cli.surface import prepared, with_preparation
 
@@ -17,10 +17,7 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.option("--length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
 @click.option("--distance", help="Sliding distance, where there is no record.")
 @click.option("--radius", help="Radius of the track, e.g. '6 mm'.")
-@click.option("--stroke", help="Length of one stroke, where there is no position.")
-@click.option("--speed", help="Sliding speed, where there is a time alone.")
-@click.option("--load", help="Normal load, where it is not recorded.")
-@click.option("--columns", metavar="NAMES", help="Which columns of the records to take.")
+@READING
 @repeated("--than", "FILE", "A test of another pair, or a list of them: the difference to it.", type=PATH)
 @repeated("--at", "KEY=VALUE", "Condition of the next test, e.g. 'load=10 N': a trend is taken over it.")
 @click.option("--wanted", type=float, default=0.05, show_default=True, help="Error, as a part of the mean.")
@@ -49,15 +46,13 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
         tests = repeated_tests.in_order(sizes, record=files, **measured)
     preparation, as_json = prepared(options), options.pop("as_json")
     how = {"file_format": options.pop("file_format"), "overwrite": options.pop("overwrite")}
-    out = options.pop("out")
-    folder, end = out or (None if as_json else Path("repeats")), ""
-    if out is None and folder is not None and folder.exists() and not how["overwrite"]:
-        folder, end = None, f"\n{folder} is there already and was not written again: --overwrite replaces it"
+    default = None if as_json else Path("repeats")
+    folder, end = place_for(options.pop("out"), default, overwrite=how["overwrite"])
     if folder is not None:
-        repeated_tests.check_out(folder, **how)
+        repeated_tests.RepeatedTests.check_out(folder, **how)
     at = dict(text.partition("=")[::2] for text in options.pop("at"))
     report = repeated_tests.repeats(tests, at=at, preparation=preparation, **options)
     if folder is not None:
         report.write(folder, **how)
-        end = f"\nwritten to {folder}/: repeats.html, repeats.csv, repeats.json, figure"
-    click.echo(written.to_json(report.numbers) if as_json else f"{report}{end}")
+        end = f"written to {folder}/: repeats.html, repeats.csv, repeats.json, figure"
+    click.echo(written.to_json(report.numbers) if as_json else "\n".join(filter(None, [str(report), end])))

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import DETAILS, PATH, Option, together
+from warpwear.cli.options import DETAILS, PATH, Option, place_for, together
 from warpwear.cli.places import measured, options, reports, written
 from warpwear.errors import InputError
 
@@ -85,14 +85,11 @@ def describe(file: Path | None, preparation: Mapping[str, Any], **choices: Any) 
     if o["--figure"] and o["--no-figure"]:
         raise InputError("--figure and --no-figure exclude each other")
     kind = "track" if o["--track"] else "ball" if o["--ball"] else "scar" if o["--before"] else None
-    figure, notice = o["--figure"], ""
+    is_drawn = file is not None and not (o["as_json"] or o["--no-figure"])
+    default = Path(f"{file.name}-{kind or 'surface'}.png") if file is not None and is_drawn else None
+    figure, notice = place_for(o["--figure"], default, overwrite=o["--overwrite"])
     if figure is not None:
         reports.check_figure(figure, overwrite=o["--overwrite"])
-    elif file is not None and not (o["as_json"] or o["--no-figure"]):
-        figure = Path(f"{file.name}-{kind or 'surface'}.png")
-        if figure.exists() and not o["--overwrite"]:  # the numbers are asked for all the same
-            notice = f"{figure} is there already and was not drawn again: --overwrite replaces it"
-            figure = None
     report = _report(file, kind, preparation, o)
     if figure is not None:
         report.save_figure(figure, overwrite=o["--overwrite"])

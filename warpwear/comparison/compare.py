@@ -16,27 +16,21 @@ from warpwear.comparison.scar import ScarFiles, compare_scar
 from warpwear.comparison.table import UNITS, Comparison, to_text, values_of, write_json, write_table
 from warpwear.ensembles.ensemble import rms_difference
 from warpwear.errors import InputError, in_python, named_in_python
-from warpwear.figures.style import check_format
 from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.record import FrictionRecord
-from warpwear.measured.motion import Motion, Radius, motion_of
+from warpwear.measured.motion import Radius, motion_of, motion_of_runs
 from warpwear.measured.options import flag, refuse
+from warpwear.measured.report import FolderReport
 from warpwear.measured.rows import read_rows
 from warpwear.measured.surface import HowToRead, Length, check_options
-from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.result import Result
-from warpwear.results.folder import check_folder
 from warpwear.results.frames import package
 from warpwear.study.units import several
 
-#: Every comparison has it, and no other folder.
-MARK = "comparison.json"
-PAGE = "compare.html"
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ComparedRuns(Comparison, WrittenAsFolder):
+class ComparedRuns(Comparison, FolderReport):
     """Runs in groups, experiments and a measured scar are laid beside each other; `print` shows the table.
 
     Attributes
@@ -50,6 +44,9 @@ class ComparedRuns(Comparison, WrittenAsFolder):
     scar : ScarComparison or None
         A measured scar over the computed ones.
     """
+
+    MARK = "comparison.json"
+    WHAT = "a comparison"
 
     def __repr__(self) -> str:
         return in_python(to_text(self))
@@ -71,17 +68,13 @@ class ComparedRuns(Comparison, WrittenAsFolder):
         frame.attrs["units"] = UNITS
         return frame
 
-    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
-        check_out(folder, file_format=file_format, overwrite=overwrite)
-        return write_report(
-            folder,
-            figures_of(self),
-            pages={PAGE: partial(page, self, folder=folder)},
-            files={"table.csv": partial(write_table, self), MARK: partial(write_json, self)},
-            marks=[MARK],
-            file_format=file_format,
-            older=list(FIGURES),
-        )
+    def _parts(self, folder: Path) -> dict[str, Any]:
+        return {
+            "figures": figures_of(self),
+            "pages": {"compare.html": partial(page, self, folder=folder)},
+            "files": {"table.csv": partial(write_table, self), self.MARK: partial(write_json, self)},
+            "older": list(FIGURES),
+        }
 
 
 @named_in_python()
@@ -150,12 +143,7 @@ def compare(
             raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
     groups = grouped([read_run(folder) for folder in run_folders], several(band_over))
     runs = [run for group in groups for run in group.rows]
-    of_runs = Motion(
-        load=_common(run.study.same_load for run in runs),
-        run_speed=_common(run.study.sliding.mean_speed for run in runs),
-        stroke=_common(run.study.sliding.stroke for run in runs),
-        radius=_common(run.study.same_radius for run in runs),
-    )
+    of_runs = motion_of_runs(*(run.study for run in runs))
     asked = motion_of(speed=speed, stroke=stroke, radius=radius)
     own = [asked.over(one.motion) if isinstance(one, FrictionRecord) else asked for one in given]
     rows = [e.analysis.rows if isinstance(e, FrictionRecord) else read_rows(e, columns) for e in given]
@@ -166,12 +154,6 @@ def compare(
     scars = None if files is None else compare_scar(files, runs)
     other = dict.fromkeys(text for motion in own for text in other_motion(motion, of_runs))
     return ComparedRuns(tuple(groups), measured, (*left_out, *other, *notes_of(groups, measured)), scars)
-
-
-def check_out(folder: Path, *, file_format: str = "png", overwrite: bool = False) -> None:
-    """Raise InputError for what `write` would refuse, before anything is read."""
-    check_format(file_format)
-    check_folder(folder, [MARK], what="a comparison", overwrite=overwrite)
 
 
 def check_choice(
@@ -206,9 +188,3 @@ def _beside(run: RunData, experiments: Iterable[Experiment]) -> RunData:
     rms = {f"rms_cof {e.name}": course and rms_difference(course, e.course) for e in experiments}
     rms |= {f"rms_constant {e.name}": course and rms_of_constant(e.course, course) for e in experiments}
     return replace(run, ends={**run.ends, **rms})
-
-
-def _common(values: Iterable[float | None]) -> float | None:
-    """Find the value that all of them have; None where they differ."""
-    first, *others = dict.fromkeys(values) or [None]
-    return None if others else first

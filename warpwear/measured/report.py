@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from warpwear.errors import OVERWRITE_IT, InputError, in_python
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
-from warpwear.figures.style import write_figure
+from warpwear.figures.style import check_format, write_figure
+from warpwear.page.folder import WrittenAsFolder, write_report
+from warpwear.results.folder import check_folder
 from warpwear.results.frames import package
 from warpwear.results.report import VALUES, Row, lines, record, without_nan
 
@@ -143,6 +145,28 @@ class FileReport(Report):
 
     def __str__(self) -> str:
         return in_python(brief(self.text))
+
+
+class FolderReport(WrittenAsFolder):
+    """A report is written as a folder of its own, which a file that only such ones have tells from others."""
+
+    #: That file, and what such a folder is called in sentences.
+    MARK: ClassVar[str]
+    WHAT: ClassVar[str]
+
+    @classmethod
+    def check_out(cls, folder: Path, *, file_format: str = "png", overwrite: bool = False) -> None:
+        """Raise InputError for what `write` would refuse, before anything is read."""
+        check_format(file_format)
+        check_folder(folder, [cls.MARK], what=cls.WHAT, overwrite=overwrite)
+
+    def _parts(self, folder: Path) -> dict[str, Any]:
+        """Give what `write_report` takes: figures, pages, files and older ones. folder: for links."""
+        raise NotImplementedError
+
+    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+        self.check_out(folder, file_format=file_format, overwrite=overwrite)
+        return write_report(folder, **self._parts(folder), marks=[self.MARK], file_format=file_format)
 
 
 def brief(text: str) -> str:

@@ -7,29 +7,26 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError, named_in_python
-from warpwear.figures import style
 from warpwear.figures.sections import under_headings
 from warpwear.measured.friction.analysis import Analysis, analyse
 from warpwear.measured.friction.figures import course_figure, figures_of
 from warpwear.measured.friction.report import HOW, rows_of, table_of
 from warpwear.measured.motion import Motion, Radius, motion_of
-from warpwear.measured.report import FileReport
+from warpwear.measured.report import FileReport, FolderReport
 from warpwear.measured.rows import Paths, read_rows, without_offset
-from warpwear.page.folder import WrittenAsFolder, write_report
 from warpwear.page.html import page_of
-from warpwear.results.folder import check_folder
 from warpwear.results.frames import package
 from warpwear.results.report import lines, to_json
 from warpwear.version import __version__
 
-#: What every folder of a record has, its page, and its table.
-MARK, PAGE, TABLE = "record.json", "record.html", "record.csv"
+#: Page and table of a record.
+PAGE, TABLE = "record.html", "record.csv"
 CAPTION = "Means, with the standard deviation of the points within; the part that the steady value is of."
 SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class FrictionRecord(FileReport, WrittenAsFolder):
+class FrictionRecord(FileReport, FolderReport):
     """A record of friction has steps with courses and what happens in them; `print` shows its numbers.
 
     Attributes
@@ -40,6 +37,8 @@ class FrictionRecord(FileReport, WrittenAsFolder):
         What was given beside it: radius, stroke [mm], speed [mm/s] and load [N].
     """
 
+    MARK = "record.json"
+    WHAT = "a record"
     analysis: Analysis
     motion: Motion
 
@@ -63,9 +62,8 @@ class FrictionRecord(FileReport, WrittenAsFolder):
         where = "compare takes it in experiments; elsewhere write it, and give its"
         raise InputError(f"a record that was read is no file: {where} {TABLE}")
 
-    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+    def _parts(self, folder: Path) -> dict[str, Any]:
         figures = figures_of(self.analysis)
-        check_out(folder, file_format=file_format, overwrite=overwrite)
         content = {
             "name": f"Record {self.analysis.rows.path.name}",
             "version": __version__,
@@ -74,15 +72,12 @@ class FrictionRecord(FileReport, WrittenAsFolder):
             "files": "record",
             "sections": under_headings(figures, SECTIONS),
         }
-        return write_report(
-            folder,
-            figures,
-            pages={PAGE: partial(page_of, "record.html", content)},
-            files={TABLE: table_of(self.analysis), MARK: to_json(self.numbers) + "\n"},
-            marks=[MARK],
-            file_format=file_format,
-            older=["course", "loops"],
-        )
+        return {
+            "figures": figures,
+            "pages": {PAGE: partial(page_of, PAGE, content)},
+            "files": {TABLE: table_of(self.analysis), self.MARK: to_json(self.numbers) + "\n"},
+            "older": ["course", "loops"],
+        }
 
 
 @named_in_python()
@@ -144,9 +139,3 @@ def read_record(
     text = "\n".join([f"record {analysis.rows.path}", *lines(rows)])
     draw = partial(course_figure, analysis)
     return FrictionRecord(text=text, rows=rows, draw=draw, analysis=analysis, motion=motion)
-
-
-def check_out(folder: Path, *, file_format: str, overwrite: bool) -> None:
-    """Raise InputError for what `write` would refuse."""
-    style.check_format(file_format)
-    check_folder(folder, [MARK], what="a record", overwrite=overwrite)
