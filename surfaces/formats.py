@@ -128,13 +128,8 @@ def _refused(path: Path, what: str) -> Iterator[None]:
             '.npy, or run pip install "warpwear[io]"'
         ) from error
     except Exception as error:
-        raise refusal(path, f"cannot be read {what} ({_first_line(error)})") from error
-
-
-def _first_line(error: Exception) -> str:
-    """Return the beginning of what a foreign reader says, to stand in brackets."""
-    text = str(error).strip() or type(error).__name__
-    return text.splitlines()[0].strip().rstrip(".:")[:120]
+        said = str(error).strip() or type(error).__name__
+        raise refusal(path, f"cannot be read {what} ({said.splitlines()[0].rstrip(' .:')[:120]})") from error
 
 
 def _read_npy(source: SurfaceFile) -> Raw:
@@ -156,20 +151,13 @@ def _is_npz(source: SurfaceFile) -> bool:
 
 
 def _read_npz(source: SurfaceFile) -> Raw:
-    path, name = source.path, source.array
-    check_archive(path)
-    with np.load(path, allow_pickle=False) as content:
-        names = list(content.files)
-        fitting = [n for n in names if n == name or (name is None and n.lower() in HEIGHT_NAMES)]
-        if name is None and len(names) == 1:
-            fitting = names
-        array = content[fitting[0]] if len(fitting) == 1 else None
-    if array is None:
-        several = f"no array {name!r}" if name is not None else "several arrays"
-        listed = ", ".join(names) or "none"
-        raise InputError(f"disc.surface '{path}' holds {several}: disc.array names one of: {listed}")
-    notes = (f"array {fitting[0]!r} of the file",)
-    return Raw(heights=_real(path, array), format="npz", notes=notes, chosen=True)
+    check_archive(source.path)
+    with np.load(source.path, allow_pickle=False) as content:
+        names = dict(enumerate(content.files))
+        known = [number for number, name in names.items() if name.lower() in HEIGHT_NAMES]
+        number, note = _choose(source, names, "array", otherwise=known[0] if len(known) == 1 else None)
+        array = content[names[number]]
+    return Raw(heights=_real(source.path, array), format="npz", notes=(note,), chosen=True)
 
 
 def _real(path: Path, array: Any) -> np.ndarray:

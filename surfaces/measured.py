@@ -267,8 +267,8 @@ def read_measured(
     reading = read(path, pixel=pixel, height_unit=height_unit, array=array, profile=profile)
     whole, then = reading, preparation
     if profile:
-        reading = prepared(reading, crop=preparation.crop, deviations=preparation.outliers)
-        whole, then = _alike_across(reading, preparation), replace(preparation, crop=None, outliers=None)
+        line = prepared(reading, crop=preparation.crop, deviations=preparation.outliers)
+        whole, then = _alike_across(line, preparation), replace(preparation, crop=None, outliers=None)
     heights, filled, pixel, record = prepare(whole, then, name=str(path))
     details = {
         **_of_file(Path(path), reading),

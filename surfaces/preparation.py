@@ -73,7 +73,7 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
         heights = -heights
         done.append("heights turned over: the file gives depths")
     if preparation.crop is not None:
-        heights, sentence = _cropped(heights, pixel, preparation.crop)
+        heights, sentence = cropped(heights, pixel, preparation.crop)
         done.append(sentence)
     if preparation.sliding_axis == "y":
         heights, pixel = np.ascontiguousarray(heights.T), (pixel[1], pixel[0])
@@ -141,32 +141,36 @@ def degree_of(level: str | int) -> int | Literal["sphere", "cylinder"]:
     return degree
 
 
-def _cropped(
-    heights: FloatArray, pixel: tuple[float, float], crop: Sequence[float]
-) -> tuple[FloatArray, str]:
-    """Return the part of the heights that a crop [mm] leaves, and what was done."""
-    extent = tuple(n * p for n, p in zip(heights.shape, pixel, strict=True))
-    bounds = list(crop)
-    if len(crop) == 2:
-        pairs = zip(crop, extent, strict=True)
+def cropped(heights: FloatArray, pixel: tuple[float, ...], crop: Sequence[float]) -> tuple[FloatArray, str]:
+    """Return the part of a map, or of a profile (n,), that a crop [mm] leaves, and what was done.
+
+    crop: from and to along each axis; or sizes about the middle, of a profile its size twice. Raises
+    InputError, naming ``disc.crop``.
+    """
+    extent = [n * p for n, p in zip(heights.shape, pixel, strict=False)]
+    bounds, is_map = list(crop), heights.ndim > 1
+    if len(crop) == 2 and (is_map or crop[0] == crop[1]):
+        pairs = zip(crop, extent, strict=False)
         bounds = [edge for size, whole in pairs for edge in ((whole - size) / 2, (whole + size) / 2)]
-    text = ", ".join(f"{v:.6g}" for v in crop)
-    allowed = (
-        f"allowed is x0, x1, y0, y1 within the measurement, {extent[0]:.6g} × {extent[1]:.6g} mm, or a size "
-        "along x and y up to that"
-    )
     slices = []
-    for low, high, size, step in zip(bounds[::2], bounds[1::2], extent, pixel, strict=True):
+    for low, high, size, step in zip(bounds[::2], bounds[1::2], extent, pixel, strict=False):
         slack = 1e-6 * step
         first, last = math.ceil((low - slack) / step), math.floor((high + slack) / step)
-        if not -slack <= low < high <= size + slack or last - first < 2:
-            raise InputError(f"disc.crop is ({text}) mm: {allowed}")
-        slices.append(slice(max(first, 0), last))
+        if len(bounds) == 2 * heights.ndim and -slack <= low < high <= size + slack and last - first > 1:
+            slices.append(slice(max(first, 0), last))
+    if len(slices) < heights.ndim:
+        allowed, whole = (
+            "x0, x1, y0, y1" if is_map else "x0, x1",
+            " × ".join(f"{size:.6g}" for size in extent),
+        )
+        raise InputError(
+            f"disc.crop is ({', '.join(f'{v:.6g}' for v in crop)}) mm: allowed is {allowed} within the "
+            f"measurement, {whole} mm, or a size up to that"
+        )
     part = np.ascontiguousarray(heights[tuple(slices)])
-    return part, (
-        f"cropped to x {bounds[0]:.6g} to {bounds[1]:.6g} mm and y {bounds[2]:.6g} to {bounds[3]:.6g} mm of "
-        f"the file, {part.shape[0]} × {part.shape[1]} points"
-    )
+    ends = zip("xy", bounds[::2], bounds[1::2], strict=False)
+    sides = " and ".join(f"{axis} {low:.6g} to {high:.6g} mm" for axis, low, high in ends)
+    return part, f"cropped to {sides} of the file, {' × '.join(map(str, part.shape))} points"
 
 
 def _levelled(

@@ -101,20 +101,20 @@ class Table:
         return [np.nan if MISSING.fullmatch(field) else float(field) for field in fields]
 
 
-def read_table(path: Path, *, words: bool = False) -> Table:
-    """Read the table of numbers in a text file, from its first row of numbers to its end.
-
-    Empty lines and comments (#, %, //) between rows are passed over. words: whether columns of words or dates
-    may stand among those of numbers, as in records; without, whatever could be a damaged row of numbers is
-    refused too, and commas that could be separators or decimal signs. Raises NoTable for what is no text or
-    holds no row of numbers; ValueError, naming the line where there is one, for what is damaged or could be
-    read in two ways; and OSError.
-    """
-    return table_of(lines_of(path), words=words)
+def read_table(path: Path) -> Table:
+    """Read the table of numbers in a text file, see `table_of`. Raises what that does, and OSError."""
+    return table_of(lines_of(path))
 
 
 def table_of(lines: list[str], *, words: bool = False) -> Table:
-    """Find the table of numbers in the lines of a text, see `read_table`. In records a text may follow it."""
+    """Find the table of numbers in the lines of a text, from its first row of numbers to its end.
+
+    Empty lines and comments (#, %, //) between rows are passed over. words: whether columns of words or dates
+    may stand among those of numbers, and a text may follow, as in records; without, whatever could be a
+    damaged row of numbers is refused too, and commas that could be separators or decimal signs. Raises
+    NoTable for what is no text or holds no row of numbers; ValueError, naming the line where there is one,
+    for what is damaged or could be read in two ways.
+    """
     start, separator = _first_row(lines, words=words)
     body = lines[start:]
     if words:

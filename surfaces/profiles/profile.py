@@ -17,6 +17,7 @@ from warpwear.surfaces import roughness
 from warpwear.surfaces.base import BoolArray, IntArray
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import WINDOW, outliers, robust_deviation
+from warpwear.surfaces.preparation import cropped
 from warpwear.surfaces.reading import Reading, read
 from warpwear.surfaces.roughness import CUT_OFFS, bearing_parameters, height_parameters
 
@@ -98,18 +99,10 @@ def prepared(reading: Reading, *, crop: Sequence[float] | None, deviations: floa
     crop: from and to [mm], or twice the size that is left about the middle; deviations: as of
     `warpwear.surfaces.outliers.outliers`, None for neither. Raises InputError, naming ``disc.crop``.
     """
-    heights, notes, step = reading.heights, list(reading.notes), reading.pixel[0]
+    heights, notes = reading.heights, list(reading.notes)
     if crop is not None:
-        length = heights.size * step
-        low, high = crop[0], crop[-1]
-        if low == high:
-            low, high = 0.5 * (length - low), 0.5 * (length + high)
-        first, last = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6)
-        if len(crop) != 2 or not 0 <= first < last - 1 < heights.size:
-            text = ", ".join(f"{value:.6g}" for value in crop)
-            raise InputError(f"disc.crop is ({text}) mm: allowed is from, to within 0 to {length:.6g} mm")
-        heights = heights[first:last]
-        notes.append(f"cropped to {low:.6g} to {high:.6g} mm, {heights.size} points")
+        heights, sentence = cropped(heights, reading.pixel, crop)
+        notes.append(sentence)
     if deviations is not None:
         found = outliers(np.repeat(heights[None], WINDOW, axis=0), deviations=deviations)
         where = found.where[WINDOW // 2]

@@ -76,7 +76,10 @@ def test_a_line_of_a_map(here: Path) -> None:
     [
         (("plain.csv", "--track"), "no track"),
         (("plain.csv", "--ball"), "holds a profile (line scan), and no map of heights"),
-        (("plain.csv", "--crop", "1 m"), "--crop is (1000, 1000) mm: allowed is from, to within 0 to"),
+        (
+            ("plain.csv", "--crop", "1 m"),
+            "--crop is (1000, 1000) mm: allowed is x0, x1 within the measurement, 4 mm",
+        ),
         (("plain.csv", "--level", "sphere"), "--level"),
         (("plain.csv", "--line", "x, 1 mm"), "holds a profile"),
         (("plain.csv", "--lambda-c", "8 um", "--lambda-s", "8 um"), "--lambda-s is 8 µm"),

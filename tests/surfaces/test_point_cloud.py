@@ -252,8 +252,9 @@ def test_npz(tmp_path):
     assert np.array_equal(read(path, **GIVEN).heights, 1e-3 * Z)
     np.savez(path, before=Z, after=2 * Z)
     assert np.array_equal(read(path, array="after", **GIVEN).heights, 2e-3 * Z)
+    assert np.array_equal(read(path, array="1", **GIVEN).heights, 2e-3 * Z)
     for name in (None, "during"):
-        with pytest.raises(InputError, match=r"disc\.array names one of: before, after"):
+        with pytest.raises(InputError, match=r"a number or a name of: 0 \(before\), 1 \(after\)"):
             read(path, array=name, **GIVEN)
     np.savez(path, np.array([{"a": 1}], dtype=object))
     with pytest.raises(InputError, match=r"cannot be read as \.npz"):

@@ -196,7 +196,6 @@ def test_the_logistic_is_that_of_logistic_heights() -> None:
     found = fit_bearing_curve(heights)
     assert found.scale == pytest.approx(0.002, rel=1e-3)
     assert found.middle == pytest.approx(heights.max(), rel=1e-3)
-    assert found.rms_error < 1e-3
 
 
 def test_the_curve_is_the_discs_and_flat_ones_have_none() -> None:

@@ -1,13 +1,13 @@
 """The wear coefficient K = V/(F L) of one worn body, from one kind of measurement in one test or several."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from warpwear.calibration.measurements import Tests, Value, checked_tests
 from warpwear.calibration.repeated import Repeated
-from warpwear.calibration.wear import LARGEST, WornVolume
+from warpwear.calibration.wear import LARGEST, WornVolume, wear_coefficient
 from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.options import optional
@@ -56,22 +56,19 @@ class WearCalibration(Repeated):
                     f"{value:g} mm²/N: allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
                 )
 
+    @cached_property
+    def _each(self) -> list[Value]:
+        return [*map(wear_coefficient, self.volumes, self.loads, self.distances)]
+
     @property
     def values(self) -> tuple[float, ...]:
         """Give K of every test [mm²/N]."""
-        tests = zip(self.volumes, self.loads, self.distances, strict=True)
-        return tuple(worn.volume / (load.value * distance.value) for worn, load, distance in tests)
+        return tuple(value for value, *_ in self._each)
 
     @property
     def errors(self) -> tuple[float | None, ...]:
         """Give K's standard uncertainty of every test [mm²/N], from those of volume, load and distance."""
-        tests = zip(self.values, self.volumes, self.loads, self.distances, strict=True)
-        errors: list[float | None] = []
-        for k, worn, *work in tests:
-            others = [k * (each.error or 0.0) / each.value for each in work]
-            own = None if worn.error is None else worn.error / (work[0].value * work[1].value)
-            errors.append(None if own is None else math.hypot(own, *others))
-        return tuple(errors)
+        return tuple(error for _, error, _ in self._each)
 
     @property
     def dimensionless(self) -> float | None:

@@ -11,6 +11,7 @@ from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import choose
+from warpwear.measured.friction.analysis import Loop
 from warpwear.measured.options import Options
 from warpwear.measured.record import read_record
 from warpwear.measured.report import Report
@@ -196,8 +197,7 @@ def _read(file: Path) -> tuple[FloatArray, FloatArray]:
 
 def _of_loop(place: FloatArray, force: FloatArray, **more: Any) -> LoopCalibration:
     """Measure a loop. more: other fields of the result. Raises InputError for one without an area."""
-    following = np.roll(place, -1) - place
-    energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * following)))
+    energy = Loop(1, place, force).energy
     tip, most = float(place.max()), float(force.max())
     crossings = _at_no_force(place, force)
     if energy <= ROUNDING * most * tip or crossings.size < 2:

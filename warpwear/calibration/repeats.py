@@ -14,6 +14,7 @@ from warpwear.calibration.measurements import OFF, MeasuredTest, Value, checked_
 from warpwear.calibration.pair_tests import CONDITIONS, PairTest, RepeatedNumber
 from warpwear.calibration.repeats_text import figure_of, text_of
 from warpwear.calibration.scatter import HELD, PRIOR, Scatter
+from warpwear.calibration.wear import wear_coefficient
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
 from warpwear.ensembles.datum import COLUMNS, Datum, headline, lines_of_data
 from warpwear.ensembles.ensemble import EnsembleRow, Group
@@ -31,7 +32,7 @@ from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import FolderReport, Report
 from warpwear.measured.rows import read_rows
 from warpwear.page.html import page_of
-from warpwear.results.report import Row, to_json
+from warpwear.results.report import Row, times, to_json
 from warpwear.version import __version__
 
 #: Number of a test -> its label and its unit.
@@ -318,10 +319,8 @@ def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -
             raise InputError(f"{named}.{source} needs a load and a distance: K is V/(F L)")
         prepared = how["preparation"] if SOURCES[source].file else {}
         worn = worn_volume(test, source, named, preparation=prepared)
-        k = 1e3 * worn.volume / (both[0].value * both[1].value)
-        parts = [(each.error or 0.0) / each.value for each in both]
-        error = None if worn.error is None else k * math.hypot(worn.error / worn.volume, *parts)
-        values[kind] = Value(k, error)
+        k, error, _ = wear_coefficient(worn, *both)
+        values[kind] = Value(1e3 * k, times(1e3, error))
         notes += (f"of {source} {worn.doubt}",) if worn.doubt else ()
     return [PairTest(name, whole, values, notes=notes, steps=steps), *places]
 

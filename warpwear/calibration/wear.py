@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from warpwear.calibration.measurements import Value
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
 
@@ -42,6 +43,13 @@ class WornVolume:
         """Say that it may be nothing; None where it is not."""
         doubted = self.error is not None and self.error > self.volume / 3.0
         return "the volume is within three standard uncertainties of nothing" if doubted else None
+
+
+def wear_coefficient(worn: WornVolume, load: Value, distance: Value) -> Value:
+    """Return K = V/(F L) [mm²/N] with its standard uncertainty, None where that of the volume is unknown."""
+    k = worn.volume / (load.value * distance.value)
+    others = [k * (each.error or 0.0) / each.value for each in (load, distance)]
+    return Value(k, None if worn.error is None else math.hypot(k * worn.error / worn.volume, *others))
 
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:

@@ -38,9 +38,7 @@ SOURCES = {
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
     "section": Source("cross-section of a groove × length", "disc", needs=("length",)),
     "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
-    "after": Source(
-        "topographies of the scar's place before and after; net volume lost", "disc", file="scar"
-    ),
+    "after": Source(_AFTER, "disc", file="scar"),
     "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
 }
 TWO_DIAMETERS = "two diameters of the worn patch; flat cap, its width their mean"

@@ -10,7 +10,7 @@ from warpwear.comparison.groups import RunData
 from warpwear.ensembles.datum import CONTRADICTION, Datum
 from warpwear.ensembles.ensemble import Curve, Group, rms_difference
 from warpwear.errors import InputError
-from warpwear.measured.experiment import Experiment, mean_of_last_tenth
+from warpwear.measured.experiment import Experiment, mean_of_last_tenth, mean_over
 from warpwear.measured.friction.events import Events, events_of, laps_of
 
 #: Standard uncertainty of a measured coefficient of friction as a part of it, at least.
@@ -43,7 +43,7 @@ def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
     def of_cof(name: str, measured: float, computed: float, error: float = 0.0) -> Datum:
         return Datum(name, measured, computed, math.hypot(error, COF_ERROR * measured), "", inputs[name])
 
-    rows = [of_cof("start", _mean(experiment.course, first, until), _mean(course, first, until))]
+    rows = [of_cof("start", mean_over(*experiment.course, first, until), mean_over(*course, first, until))]
     if jump is not None and end >= jump.end:
         length = jump.end - jump.start
         levels = jump.low + np.array([0.1, 0.5, 0.9]) * (jump.high - jump.low)
@@ -53,7 +53,7 @@ def data_of(run: RunData, experiment: Experiment) -> list[Datum]:
         rows.append(Datum("length of the rise", length, high - low, error, "mm", is_input))
     if steady is not None and end > steady.start:
         level = steady.value - 0.5 * steady.drift  # the mean, and not the end, of its line
-        rows.append(of_cof("level", level, _mean(course, steady.start, steady.end), steady.error))
+        rows.append(of_cof("level", level, mean_over(*course, steady.start, steady.end), steady.error))
     elif steady is None and end > 0.9 * whole:
         rows.append(of_cof("level", experiment.final_cof, mean_of_last_tenth(*course)))
     return rows
@@ -92,20 +92,13 @@ def rms_of_constant(course: Curve, other: Curve) -> float | None:
     start, end = max(c[0][0] for c in (course, other)), min(c[0][-1] for c in (course, other))
     if end <= start:
         return None
-    mean = _mean(course, float(start), float(end))
+    mean = mean_over(*course, float(start), float(end))
     return rms_difference((np.array([start, end]), np.array([mean, mean])), course)
 
 
 def _shown(value: float, datum: Datum) -> str:
     """Write one of its numbers, of a rise that is not there that it is not."""
     return f"{value:.3g} {datum.unit}".rstrip() if np.isfinite(value) else "none"
-
-
-def _mean(course: Curve, start: float, end: float) -> float:
-    """Average a course over a piece of it, lines between points; the nearest value beyond its ends."""
-    distance, values = course
-    places = np.concatenate([[start], distance[(distance > start) & (distance < end)], [end]])
-    return float(np.trapezoid(np.interp(places, distance, values), places) / (end - start))
 
 
 def _first(course: Curve, level: float) -> float:

@@ -12,4 +12,3 @@ class Logistic:
 
     middle: float  # depth that half of the area lies above [mm]
     scale: float  # [mm]
-    rms_error: float = 0.0  # of φ, over the curve that was fitted

@@ -35,8 +35,12 @@ def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
     distance [mm], rising, and values have the same shape (points,). Between rows a course is a line, so that
     each row counts by the distance it stands for.
     """
-    start = max(float(distance[0]), 0.9 * float(distance[-1]))
-    places = np.append(start, distance[distance > start])
-    if places.size == 1:
-        return float(values[-1])
-    return float(np.trapezoid(np.interp(places, distance, values), places) / (places[-1] - start))
+    end = float(distance[-1])
+    start = max(float(distance[0]), 0.9 * end)
+    return mean_over(distance, values, start, end) if end > start else float(values[-1])
+
+
+def mean_over(distance: FloatArray, values: FloatArray, start: float, end: float) -> float:
+    """Return the mean of a course over a piece of it [mm], lines between points; beyond its ends as there."""
+    places = np.concatenate([[start], distance[(distance > start) & (distance < end)], [end]])
+    return float(np.trapezoid(np.interp(places, distance, values), places) / (end - start))

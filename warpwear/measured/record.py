@@ -6,6 +6,7 @@ what its columns are. A file without such words is a plain table, which `warpwea
 
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
@@ -227,11 +228,11 @@ def _pieces(lines: list[str], form: RecordFormat) -> Iterator[_Piece]:
 
 def _joined(path: Path, form: RecordFormat, pieces: list[_Piece]) -> Record:
     """Lay the tables of one file together: those whose names are those of most rows."""
-    rows_of: dict[tuple[str, ...], int] = {}
+    rows_of: Counter[tuple[str, ...]] = Counter()
     for piece in pieces:
-        rows_of[piece.names] = rows_of.get(piece.names, 0) + len(piece.rows)
-    names = max(rows_of, key=lambda key: rows_of[key])
-    other = sum(rows_of.values()) - rows_of[names]
+        rows_of[piece.names] += len(piece.rows)
+    ((names, most),) = rows_of.most_common(1)
+    other = rows_of.total() - most
     notes = [f"Tables of other columns, left out: {len(rows_of) - 1} with {other} rows."] if other else []
     chosen = [piece for piece in pieces if piece.names == names]
     separator, units = chosen[0].separator, chosen[0].units

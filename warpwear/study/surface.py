@@ -90,8 +90,7 @@ def fit_bearing_curve(heights: FloatArray) -> Logistic:
 
     start = (float(np.median(depth)), np.sqrt(3.0) / np.pi * spread)
     (middle, scale), _ = optimize.curve_fit(logistic, depth, ratio, p0=start, bounds=(0.0, np.inf))
-    error = float(np.sqrt(np.mean((logistic(depth, middle, scale) - ratio) ** 2)))
-    return Logistic(float(middle), float(scale), error)
+    return Logistic(float(middle), float(scale))
 
 
 def surface_of(disc: Disc) -> Surface:

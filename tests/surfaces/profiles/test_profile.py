@@ -165,9 +165,13 @@ def test_outliers_and_crop_of_a_profile(tmp_path: Path) -> None:
     np.testing.assert_allclose(part.heights, heights[100:300])
     middle = noted(tmp_path, heights, crop=(200 * SPACING, 200 * SPACING))
     np.testing.assert_allclose(middle.heights, heights[100:300])
-    with pytest.raises(InputError, match=r"disc\.crop is .* allowed is from, to within 0 to"):
+    with pytest.raises(
+        InputError, match=r"disc\.crop is .* allowed is x0, x1 within the measurement, 0.2 mm"
+    ):
         noted(tmp_path, heights, crop=(0.0, 401 * SPACING))
     how = Preparation(outliers=6.0, crop=(0.0, 300 * SPACING))
     disc = read_measured(tmp_path / "p.npy", how, profile=True, pixel=SPACING, height_unit="um")
     assert disc.filled is not None
     np.testing.assert_array_equal(np.flatnonzero(disc.filled[:, 0]), [50, 200])
+    assert disc.details["file_grid"] == [400], "of the file, before a part of it is taken"
+    assert disc.details["height_min_um"] == pytest.approx(1e3 * heights.min())

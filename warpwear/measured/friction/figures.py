@@ -22,37 +22,22 @@ def course_figure(analysis: Analysis) -> Figure:
 
     Each step of a recipe has a panel.
     """
-    steps = analysis.steps
+    steps, several, charts = analysis.steps, len(analysis.steps) > 1, []
     highest = max(float(step.laps.cof.max()) for step in steps)
-    y = Axis("coefficient of friction, –", low=0.0, high=1.1 * highest if len(steps) > 1 else None)
-    charts = [
-        Chart(
-            f"Step {step.name}" if len(steps) > 1 else "Coefficient of friction",
-            Axis("distance slid, m", low=0.0 if number == 0 else 1e-3 * step.before),
-            y,
-            _lines(step, first=number == 0),
-            note=f"step {step.name}" + (f", {step.load:.3g} N" if step.load else "")
-            if len(steps) > 1
-            else "",
-        )
-        for number, step in enumerate(steps)
-    ]
-    x = Axis("distance slid, m", low=0.0)
-    names = dict.fromkeys(name for step in analysis.steps for name in step.others)
-    others = [
-        Chart(
-            name.partition(" [")[0].capitalize(),
-            x,
-            Axis(name.replace(" [", ", ").removesuffix("]")),
-            [
-                Line(1e-3 * (step.before + step.laps.distance), step.others[name], look=Look(describe.DISC))
-                for step in analysis.steps
-            ],
-        )
-        for name in names
-    ]
+    y = Axis("coefficient of friction, –", low=0.0, high=1.1 * highest if several else None)
+    for number, step in enumerate(steps):
+        title = f"Step {step.name}" if several else "Coefficient of friction"
+        note = f"step {step.name}" + (f", {step.load:.3g} N" if step.load else "")
+        x, lines = Axis("distance slid, m", low=1e-3 * step.before), _lines(step, first=number == 0)
+        charts.append(Chart(title, x, y, lines, note=note * several))
+    for name in dict.fromkeys(name for step in steps for name in step.others):
+        title, up = name.partition(" [")[0].capitalize(), Axis(name.replace(" [", ", ").removesuffix("]"))
+        having = [step for step in steps if name in step.others]
+        places = [(1e-3 * (step.before + step.laps.distance), step.others[name]) for step in having]
+        means: list[Line | Level] = [Line(*both, look=Look(describe.DISC)) for both in places]
+        charts.append(Chart(title, Axis("distance slid, m", low=0.0), up, means))
     columns = math.ceil(math.sqrt(len(steps)))
-    return Figure([*charts, *others], columns, legend=5, width=describe.PAGE, height=3.0)
+    return Figure(charts, columns, legend=5, width=describe.PAGE, height=3.0)
 
 
 def _lines(step: RecordStep, *, first: bool) -> list[Line | Level]:
@@ -83,14 +68,8 @@ def _lines(step: RecordStep, *, first: bool) -> list[Line | Level]:
 def loops_figure(analysis: Analysis) -> Figure:
     """Draw the friction force over the position, in the first, the middle and the last cycle."""
     looks = (Look(describe.DISC), Look(describe.COUNTER, "dash"), Look(describe.CONTACT, "dot"))
-    lines = [
-        Line(
-            np.append(loop.position, loop.position[0]),
-            np.append(loop.force, loop.force[0]),
-            f"cycle {loop.cycle}",
-            look,
-        )
-        for loop, look in zip(analysis.loops, looks, strict=False)
-    ]
+    closed = ([np.append(v, v[0]) for v in (loop.position, loop.force)] for loop in analysis.loops)
+    named = zip(closed, analysis.loops, looks, strict=False)
+    lines = [Line(*both, f"cycle {loop.cycle}", look) for both, loop, look in named]
     chart = Chart("Friction loops", Axis("position, mm"), Axis("friction force, N"), lines)
     return Figure([chart], 1, legend=3, width=describe.COLUMN, height=2.6)
