@@ -261,8 +261,8 @@ def read_measured(
     profile: whether it is a line along sliding, and the surface alike across.
 
     pixel [mm] (one, or one per axis of the file) and height_unit override the file; .npy needs both. array:
-    which of a .npz. extend: see `Measured`. Raises InputError, naming the field of ``disc``, for anything
-    that is no plausible areal measurement.
+    which of several in the file. extend: see `Measured`. Raises InputError, naming the field of ``disc``, for
+    anything that is no plausible areal measurement.
     """
     reading = read(path, pixel=pixel, height_unit=height_unit, array=array, profile=profile)
     whole, then = reading, preparation

@@ -66,8 +66,8 @@ def read(
     """Read one height map, or one profile.
 
     pixel [mm] (one, or one per axis of the file) and height_unit override what the file says; .npy, .npz and
-    text without them need both. array: the one to take of a .npz that holds several. Axis 0 is the file's x:
-    the columns of a text matrix, whose lines follow y. A map of one line is a profile. Raises InputError,
+    text without them need both. array: which of several in the file, by name or number. Axis 0 is the file's
+    x: the columns of a text matrix, whose lines follow y. A map of one line is a profile. Raises InputError,
     naming ``disc.surface``, ``disc.pixel`` or ``disc.height_unit``, for whatever is neither, or the other
     one: `HoldsAProfile` for a profile instead of a map.
     """

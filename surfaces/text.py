@@ -229,17 +229,11 @@ def _first_split(line: str, *, words: bool) -> tuple[str | None, int]:
 
 
 def _is_row(fields: list[str], *, words: bool, clocks: bool) -> bool:
-    values = sum(_is_value(field) for field in fields)
     numbers = sum(NUMBER.fullmatch(field) is not None for field in fields)
+    others = [field for field in fields if not _is_value(field) and not (clocks and DATE.fullmatch(field))]
     if not words or len(fields) < 3:
-        times = sum(DATE.fullmatch(field) is not None for field in fields) if clocks else 0
-        return numbers > 0 and values + times == len(fields)
-    others = sum(
-        DATE.fullmatch(field) is not None or (any(c.isalpha() for c in field) and not NUMBER.match(field))
-        for field in fields
-        if not _is_value(field)
-    )
-    return numbers > 1 and values + others == len(fields)
+        return numbers > 0 and not others
+    return numbers > 1 and all(any(map(str.isalpha, word)) and not NUMBER.match(word) for word in others)
 
 
 def _is_missing(fields: list[str], width: int, *, words: bool) -> bool:

@@ -76,8 +76,8 @@ def profile_in(
 ) -> Profile:
     """Read the profile in a file of any format that `warpwear.surfaces.reading.read` knows.
 
-    spacing [mm] and height_unit override what the file says; array: the one to take of a .npz that holds
-    several; down: whether the file gives depths; crop, deviations: see `prepared`. Raises InputError, naming
+    spacing [mm] and height_unit override what the file says; array: which of several in it, by name or
+    number; down: whether the file gives depths; crop, deviations: see `prepared`. Raises InputError, naming
     ``disc.surface``, ``disc.pixel`` or ``disc.height_unit``, where there is none, where it has fewer than 50
     points or where a fifth of them is missing.
     """
@@ -96,8 +96,8 @@ def profile_in(
 def prepared(reading: Reading, *, crop: Sequence[float] | None, deviations: float | None) -> Reading:
     """Return a profile that was read, cropped and without outliers, and note both.
 
-    crop: from and to [mm], or twice the size that is left about the middle; deviations: as of
-    `warpwear.surfaces.outliers.outliers`, None for neither. Raises InputError, naming ``disc.crop``.
+    crop: as of `cropped`; deviations: as of `warpwear.surfaces.outliers.outliers`; None for neither. Raises
+    InputError, naming ``disc.crop``.
     """
     heights, notes = reading.heights, list(reading.notes)
     if crop is not None:

@@ -9,7 +9,7 @@ from warpwear.figures.describe import DISC, Axis, Chart, Figure, Level, Line, Lo
 from warpwear.grid import FloatArray
 from warpwear.measured.options import quantity
 from warpwear.measured.surface_figure import ZERO, stack
-from warpwear.measured.surface_report import DOUBTED, ERROR, needle_row
+from warpwear.measured.surface_report import DOUBTED, ERROR, bearing_rows, needle_row
 from warpwear.results.report import Row, lines, record, times
 from warpwear.surfaces.levelling import tilt
 from warpwear.surfaces.measured import Measured
@@ -64,7 +64,6 @@ def parameter_rows(p: Parameters) -> list[Row]:
     """Declare the parameters of ISO 21920-2."""
     by_level = [(round(level, 1), material_ratio(p.rough, level * p.rq)) for level in LEVELS]
     ratios = ", ".join(f"{ratio:.3g} % at {level:g} Rq" for level, ratio in by_level).replace("-", "−")
-    core = vars(p.bearing)
     return [
         Row("filtered", "", [*_filters(p), *p.notes]),
         Row("", "lambda_c_mm", p.cut_off),
@@ -75,8 +74,7 @@ def parameter_rows(p: Parameters) -> list[Row]:
         *(Row(name.title(), name, vars(p)[name]) for name in ("rsk", "rku")),
         Row("RSm", "rsm_um", times(1e3, p.rsm)),
         Row("RSm", "", "none: fewer than two profile elements" if p.rsm is None else None),
-        *(Row(f"R{name[1:]}", f"r{name[1:]}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
-        *(Row(f"R{name[1:]}", f"r{name[1:]}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
+        *bearing_rows(p.bearing, "R"),
         Row("Rmr(c)", "rmr_percent_at_rq", [list(pair) for pair in by_level], sentence=ratios),
     ]
 

@@ -102,8 +102,8 @@ def read_rows(paths: Paths, columns: str | None = None) -> RecordRows:
     for part in parts:
         if part.table.keys() != first.table.keys():
             raise InputError(
-                f"{part.path} has {_listed(part)} where {first.path.name} has {_listed(first)}: files of one "
-                "record have the same columns"
+                f"{part.path} has {', '.join(part.table)} where {first.path.name} has "
+                f"{', '.join(first.table)}: files of one record have the same columns"
             )
     counts = np.cumsum([0, *(len(part.steps) for part in parts)])
     step = np.concatenate([part.step + count for part, count in zip(parts, counts[:-1], strict=True)])
@@ -114,10 +114,6 @@ def read_rows(paths: Paths, columns: str | None = None) -> RecordRows:
     warnings = tuple(dict.fromkeys(warning for part in parts for warning in part.warnings))
     at = files[0].parent if all(path.parent == files[0].parent for path in files) else files[0]
     return _continued(RecordRows(at, first.format, table, first.chosen, step, names, notes, warnings))
-
-
-def _listed(rows: RecordRows) -> str:
-    return ", ".join(rows.table)
 
 
 def _rows_of(path: Path, columns: str | None) -> RecordRows:

@@ -45,9 +45,6 @@ ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")} | {
     "rms_slope": "rms slope",
 }
 
-#: Key -> what people read behind its number.
-NOTES = {"rms_slope": "(by differences of neighbours)"}
-
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeasuredSurface(FileReport):
@@ -110,17 +107,13 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     lay = _lay(*(roughness.slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
     some = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
     few = ", ".join(f"{slope:.3g} from {um:.3g} µm" for slope, um in some)
-    core = vars(bearing)
-    bearing_rows = [
-        *(Row(name.title(), f"{name}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
-        *(Row(name.title(), f"{name}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
-    ]
     roll_off_rows = [
         Row("wavelength", "wavelength_um", times(1e3, roll_off.wavelength), digits=3),
         Row("from:", "from", roll_off.source),
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
-    rough_rows = [Row(label, key, own[key], note=NOTES.get(key, "")) for key, label in ROUGHNESS.items()]
+    how = {"rms_slope": "(by differences of neighbours)"}
+    rough_rows = [Row(label, key, own[key], note=how.get(key, "")) for key, label in ROUGHNESS.items()]
     sdr = 100.0 * roughness.developed_area(heights, pixel=pixel)
     rough_rows.append(Row("Sdr", "sdr_percent", sdr, digits=3))
     ra_rows = [row for axis, profile in zip("xy", profiles, strict=True) for row in _ra(axis, profile, lay)]
@@ -134,7 +127,7 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("", "extent_mm", list(surface.size)),
         Row("", "ra", ra_rows),
         Row("lay", "lay", lay, sentence="no clear lay" if lay == "none" else f"along {lay}"),
-        Row("bearing", "bearing", bearing_rows),
+        Row("bearing", "bearing", bearing_rows(bearing)),
         Row(
             "Sal", "autocorrelation_length_um", times(1e3, correlation), note="(autocorrelation falls to 0.2)"
         ),
@@ -302,6 +295,15 @@ def _ra(axis: str, profiles: roughness.ProfileRoughness, lay: str) -> list[Row]:
     label, none = f"Ra along {axis}", "no Ra" if profiles.ra is None else None
     of_axis = Row(label if none is None else "", axis, rows)
     return [of_axis, Row(label, "", none), Row("  filtered", "", list(profiles.notes))]
+
+
+def bearing_rows(bearing: roughness.Bearing, letter: str = "S") -> list[Row]:
+    """Declare the parameters of the core: S of a surface, R of a profile."""
+    core, key = vars(bearing), letter.lower()
+    return [
+        *(Row(letter + end, f"{key}{end}_um", 1e3 * core[f"s{end}"]) for end in ("k", "pk", "vk")),
+        *(Row(letter + end, f"{key}{end}_percent", core[f"s{end}"], digits=3) for end in ("mr1", "mr2")),
+    ]
 
 
 def _spread(areas: FloatArray) -> Row:

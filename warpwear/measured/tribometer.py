@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -147,8 +147,8 @@ def _by_cycles(
     inside = np.abs(position - middle) <= (0.5 - END_CUT) * measured
     start = abs(float(smooth[turns[0]] - smooth[0]))
     source = "as given" if stroke is not None else "from its turning points"
-    passes = _Passes(_with_lost(turns, known), inside & known, used, min(start, used), source)
-    return _course_of_passes(path, friction, normal, passes)
+    turns, inside = _with_lost(turns, known), inside & known
+    return _course_of_passes(path, friction, normal, turns, inside, used, source, start=min(start, used))
 
 
 def _with_lost(turns: Indices, known: Mask) -> Indices:
@@ -191,32 +191,33 @@ def _by_strokes(
         raise InputError(f"{path} has a stroke a step and not its length: --stroke '10 mm' is needed")
     if stroke is None:
         stroke = float((table["distance"][-1] - table["distance"][0]) / (seen - seen / step.size))
-    return _course_of_passes(
-        path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source)
-    )
+    return _course_of_passes(path, table["friction force"], normal, turns, inside, stroke, source)
 
 
-@dataclass(frozen=True)
-class _Passes:
-    """Passes forth and back lie between rows at which the sliding turns."""
+def _course_of_passes(
+    path: Path,
+    friction: FloatArray,
+    normal: FloatArray,
+    turns: Indices,
+    inside: Mask,
+    stroke: float,
+    source: str,
+    *,
+    start: float = 0.0,
+) -> Experiment:
+    """Return the course cycle by cycle, of passes forth and back.
 
-    turns: Indices  # shape (passes + 1,)
-    inside: Mask  # rows away from the ends, shape (rows,)
-    stroke: float  # length of a pass [mm]
-    start: float  # distance slid before the first turn [mm]
-    source: str  # of the stroke, for a sentence
-
-
-def _course_of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Passes) -> Experiment:
-    """Return the course cycle by cycle. friction, normal: forces [N], shape (rows,)."""
-    turns, inside, used = passes.turns, passes.inside, passes.stroke
+    friction, normal: forces [N], shape (rows,); turns: rows at which the sliding turns, shape (passes + 1,);
+    inside: rows away from the ends, shape (rows,); stroke: length of a pass [mm], and its source for a
+    sentence; start: distance slid before the first turn [mm].
+    """
     inside[: turns[0]] = inside[turns[-1] :] = False
     between = int(turns[-1] - turns[0])
     notes = [f"Samples within a tenth of the stroke of its ends, cut: {between - inside.sum()} of {between}."]
     sampled = inside & np.isfinite(friction) & np.isfinite(normal)
     forces, loads = (_pass_means(path, values, sampled, turns) for values in (friction, normal))
     pairs = forces.size // 2
-    forth, back = (forces[start : 2 * pairs : 2] for start in (0, 1))
+    forth, back = (forces[first : 2 * pairs : 2] for first in (0, 1))
     pressing = 0.5 * (loads[0 : 2 * pairs : 2] + loads[1 : 2 * pairs : 2])
     half = 0.5 * np.abs(forth - back)
     empty = np.isnan(half)
@@ -233,12 +234,12 @@ def _course_of_passes(path: Path, friction: FloatArray, normal: FloatArray, pass
             "without sign, is nothing, or has a large offset; a signed force, or a column of coefficients, "
             "is expected"
         )
-    distance = passes.start + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
+    distance = start + stroke * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
     if empty.any():
         notes.append(f"Cycles with gaps through a whole pass, left out: {empty.sum()}.")
     if (unloaded := ~loaded & ~empty).any():
         notes.append(f"Cycles with less than half of the median normal force, left out: {unloaded.sum()}.")
-    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({passes.source}).")
+    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {stroke:.4g} mm ({source}).")
     notes.append(
         f"Half the difference of the directions is the friction; their offset is {offset:.3g} N, "
         f"{100.0 * abs(offset) / typical:.2g} % of the friction (medians)."
