@@ -1,7 +1,6 @@
 """Random surfaces are made like a measured profile: its spectrum, its Rq, its distribution of heights."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -10,8 +9,8 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
-from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum, uniform_draws
-from warpwear.surfaces.made.synthetic import Periodic
+from warpwear.surfaces.made.fourier import ComplexArray, uniform_draws
+from warpwear.surfaces.made.synthetic import FourierSurface
 from warpwear.surfaces.profiles.profile import Profile
 from warpwear.surfaces.roughness import height_parameters
 
@@ -28,7 +27,7 @@ UNLIKELY = 1.0  # above which a spectrum that is not reached is told of: chance 
 
 
 @dataclass(frozen=True, kw_only=True)
-class LikeProfile(Periodic):
+class LikeProfile(FourierSurface):
     """A random surface whose profiles are like a measured one, periodic (period × period).
 
     Its spectrum is that of the profile between `period` and `cut_off`: isotropic, as bands of the spectrum
@@ -56,14 +55,6 @@ class LikeProfile(Periodic):
         if self.lay_length is not None:
             self._check("lay", self.lay in (0.0, 90.0), "0 or 90 deg beside like", unit="deg")
 
-    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), repeated past the period."""
-        return fourier_sum(self._amplitudes, 2.0 * math.pi / self.period, x, y)
-
-    def blocks(self, x: FloatArray, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
-        """Yield blocks of rows and their heights [mm], shape (rows, y.size), at the points x × y [mm]."""
-        return fourier_blocks(self._amplitudes, 2.0 * math.pi / self.period, x, y)
-
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
         """Say what the profile does not tell, what is left out of it, and what the grid x × y [mm] lacks."""
         notices = self._repeats(x, y) + self._unresolved(x, y)
@@ -88,9 +79,6 @@ class LikeProfile(Periodic):
         points = np.linspace(0.0, self.period, POINTS * self._largest, endpoint=False)
         own = height_parameters(self.heights(points, points))
         profile = height_parameters(self._levelled)
-        i, j = self._modes
-        power = (i**2 + j**2) * np.square(np.abs(self._amplitudes))
-        slope = 2.0 * math.pi / self.period * math.sqrt(0.5 * float(power.sum()))
         return {
             "kind": "profile",
             "like": self.like,
@@ -106,13 +94,8 @@ class LikeProfile(Periodic):
             "sq_um": 1e3 * own["sq"],
             "ssk": own["ssk"],
             "sku": own["sku"],
-            "rms_slope": slope,
+            "rms_slope": self.rms_slope,
         }
-
-    @property
-    def _largest(self) -> int:
-        """Return the largest mode along an axis."""
-        return int(self.period / self.cut_off * (1 + 1e-9))
 
     @property
     def _modes(self) -> tuple[FloatArray, FloatArray]:

@@ -1,7 +1,6 @@
 """Gaussian random surfaces are self-affine between two wavelengths."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum, half_plane_draws
-from warpwear.surfaces.made.synthetic import SLACK, RandomPart
+from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, half_plane_draws
+from warpwear.surfaces.made.synthetic import SLACK, FourierSurface, RandomPart
 
 #: Ra [mm] before scaling of the surfaces computed so far, by what their draws depend on: the runs of a sweep,
 #: and the files that are written of a run, need the same.
@@ -18,7 +17,7 @@ _KNOWN_RA: dict[tuple[float, ...], float] = {}
 
 
 @dataclass(frozen=True, kw_only=True)
-class SelfAffine(RandomPart):
+class SelfAffine(RandomPart, FourierSurface):
     """A Gaussian random surface is self-affine between two wavelengths and periodic (period × period).
 
     It is a finite Fourier sum over the modes 2π(i, j)/period. Its isotropic power spectral density is
@@ -31,24 +30,9 @@ class SelfAffine(RandomPart):
     cut_off/4. Parameters and errors are those of `RandomPart`.
     """
 
-    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), repeated past the period."""
-        return fourier_sum(self._amplitudes, self._wave, x, y)
-
-    def blocks(self, x: FloatArray, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
-        """Yield blocks of rows and their heights [mm], shape (rows, y.size), at the points x × y [mm]."""
-        return fourier_blocks(self._amplitudes, self._wave, x, y)
-
     def notices(self, x: FloatArray, y: FloatArray) -> list[str]:
         """Say whether the grid x × y [mm] is wider than the period or too coarse for the cut-off."""
         return self._repeats(x, y) + self._unresolved(x, y)
-
-    @property
-    def rms_slope(self) -> float:
-        """Return the root mean square gradient [-] over the period, from the spectrum."""
-        modes = self._wave * np.arange(-self._largest, self._largest + 1)
-        squared = np.add.outer(modes**2, modes[self._largest :] ** 2)
-        return math.sqrt(0.5 * float(np.sum(squared * np.abs(self._amplitudes) ** 2)))
 
     def record(self) -> dict[str, Any]:
         """Return the parameters, what was asked for, and the Ra, Sq and rms slope that the surface has."""
@@ -59,16 +43,6 @@ class SelfAffine(RandomPart):
             "sq_um": _sq(self._amplitudes) * 1e3,
             "rms_slope": self.rms_slope,
         }
-
-    @cached_property
-    def _largest(self) -> int:
-        """Return the largest mode along an axis."""
-        return int(self.period / self.cut_off * (1 + SLACK))
-
-    @property
-    def _wave(self) -> float:
-        """Return the wave number of the period [rad/mm]."""
-        return 2.0 * math.pi / self.period
 
     @cached_property
     def _unscaled(self) -> ComplexArray:

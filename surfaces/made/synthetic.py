@@ -1,6 +1,7 @@
 """What surfaces from formulas have in common: their parameters and notices; and the flat one."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import spacing
+from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum
 
 LARGEST_MODE = 2048  # 17 million amplitudes; beyond, the spectrum no longer fits a small machine
 POINTS_PER_CUT_OFF = 4  # of the reference grid on which Ra is defined
@@ -72,6 +74,41 @@ class Periodic:
             f"cells of {coarsest * 1e3:.4g} µm do not resolve the shortest waves of the surface, "
             f"{self.cut_off * 1e3:.4g} µm: that takes cells of at most {self.cut_off * 500:.4g} µm"
         ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FourierSurface(Periodic):
+    """A periodic surface is a finite Fourier sum over the modes 2π(i, j)/period of its `_amplitudes`."""
+
+    @property
+    def _amplitudes(self) -> ComplexArray:
+        """Return the amplitudes [mm] of the half plane of modes, c in z = Re Σ c exp(i q·r)."""
+        raise NotImplementedError
+
+    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), repeated past the period."""
+        return fourier_sum(self._amplitudes, self._wave, x, y)
+
+    def blocks(self, x: FloatArray, y: FloatArray) -> Iterator[tuple[slice, FloatArray]]:
+        """Yield blocks of rows and their heights [mm], shape (rows, y.size), at the points x × y [mm]."""
+        return fourier_blocks(self._amplitudes, self._wave, x, y)
+
+    @property
+    def rms_slope(self) -> float:
+        """Return the root mean square gradient [-] over the period, from the spectrum."""
+        modes = self._wave * np.arange(-self._largest, self._largest + 1)
+        squared = np.add.outer(modes**2, modes[self._largest :] ** 2)
+        return math.sqrt(0.5 * float(np.sum(squared * np.abs(self._amplitudes) ** 2)))
+
+    @property
+    def _largest(self) -> int:
+        """Return the largest mode along an axis."""
+        return int(self.period / self.cut_off * (1 + SLACK))
+
+    @property
+    def _wave(self) -> float:
+        """Return the wave number of the period [rad/mm]."""
+        return 2.0 * math.pi / self.period
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -145,6 +145,21 @@ def test_strokes_give_stroke_and_track(tmp_path: Path) -> None:
         drafted([test], like="pin")
 
 
+def test_a_few_strokes_have_the_speed_of_many(tmp_path: Path) -> None:
+    record = lab_strokes(tmp_path / "few.csv", stroke=8.0, cycles=10, cof=0.4)
+    study, _ = drafted([record], like="reciprocating", wear__disc=0)
+    assert study.sliding.mean_speed == pytest.approx(16.0, rel=0.02)
+
+
+def test_a_stroke_that_a_file_has_is_the_study_s() -> None:
+    lines = [f"{0.5 * k},{0.4 + 0.001 * (k % 5)},2,8,5" for k in range(400)]
+    head = "Time [s],CoF,Frequency [Hz],Stroke [mm],Fz [N]"
+    Path("srv.csv").write_text("\n".join([head, *lines]), encoding="utf-8")
+    study, comments = drafted(["srv.csv"], like="reciprocating", wear__disc=0)
+    assert (study.sliding.stroke, comments["stroke"]) == (8.0, "stroke: srv")
+    assert study.sliding.mean_speed == pytest.approx(32.0, rel=0.01)
+
+
 def test_a_lap_of_a_circle_is_no_stroke(tmp_path: Path) -> None:
     """Laps beside distances tell a lap, which the rig by default would have as a stroke."""
     lines = [f"{10.0 * k},{k / 4.0},0.5,5" for k in range(400)]

@@ -117,22 +117,29 @@ def _step(name: str, rows: RecordRows, motion: Motion, before: float) -> RecordS
     if events.jump is not None:
         with suppress(InputError):  # a jump of another kind
             (states,) = fit_states([part_of(course, lap, SPAN * events.jump.end)])
-    others, speed = _others(rows, motion, laps), _speed(rows, motion, course)
+    slid = float(np.ptp(course.distance)) + (laps.length if by_cycles else 0.0)  # a course has the middles
+    others, speed, stroke = _others(rows, motion, laps), _speed(rows, motion, slid), stroke_of(rows, motion)
     turns = motion.radius is not None or {"radius", "laps"} & rows.table.keys()  # a cycle may be to and fro
-    circle = lap if turns and not by_cycles and motion.stroke is None else None
-    track = 0.5 * laps.length if by_cycles else motion.stroke or circle
+    circle = lap if turns and not by_cycles and stroke is None else None
+    track = 0.5 * laps.length if by_cycles else stroke or circle
     told = (load, energy, before, states, others, speed, track)
     return RecordStep(name, course, laps, events, *told, is_circle=circle is not None)
 
 
-def _speed(rows: RecordRows, motion: Motion, course: Experiment) -> float | None:
-    """Return the speed of sliding [mm/s]: the median of what moves, or distance over time."""
+def _speed(rows: RecordRows, motion: Motion, slid: float) -> float | None:
+    """Return the speed of sliding [mm/s]: the median of what moves, or what is slid [mm] over time."""
     table = moving(rows)[0].table
     speeds = np.abs(table.get("speed", np.zeros(0)))
     if motion.speed is not None or np.isfinite(speeds).any():
         return motion.speed or float(np.nanmedian(speeds))
     seconds = spans(table["time"])[0] if "time" in table else 0.0
-    return float(np.ptp(course.distance)) / seconds if seconds > 0.0 else None
+    return slid / seconds if seconds > 0.0 else None
+
+
+def stroke_of(rows: RecordRows, motion: Motion) -> float | None:
+    """Return the length of a stroke [mm], given or measured; None where neither says it."""
+    measured = rows.table.get("stroke", np.zeros(0))
+    return motion.stroke or (float(np.nanmedian(measured)) if np.isfinite(measured).any() else None)
 
 
 def _others(rows: RecordRows, motion: Motion, laps: LapMeans) -> dict[str, FloatArray]:
@@ -159,8 +166,8 @@ def _others(rows: RecordRows, motion: Motion, laps: LapMeans) -> dict[str, Float
 def lap_of(rows: RecordRows, motion: Motion) -> float | None:
     """Return the distance of one lap, or of two strokes [mm], None where the record does not say it."""
     table = rows.table
-    if motion.stroke is not None:
-        return 2.0 * motion.stroke
+    if (stroke := stroke_of(rows, motion)) is not None:
+        return 2.0 * stroke
     radius = motion.radius if motion.radius is not None else table.get("radius")
     if radius is not None and np.isfinite(radius).any():
         return 2.0 * np.pi * float(np.nanmedian(radius))

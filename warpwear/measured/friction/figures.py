@@ -33,8 +33,9 @@ def course_figure(analysis: Analysis) -> Figure:
     for name in dict.fromkeys(name for step in steps for name in step.others):
         title, up = name.partition(" [")[0].capitalize(), Axis(name.replace(" [", ", ").removesuffix("]"))
         having = [step for step in steps if name in step.others]
-        places = [(1e-3 * (step.before + step.laps.distance), step.others[name]) for step in having]
-        means: list[Line | Level] = [Line(*both, look=Look(describe.DISC)) for both in places]
+        places = [1e-3 * (step.before + step.laps.distance) for step in having]
+        pairs = zip(places, having, strict=True)
+        means: list[Line | Level] = [Line(x, s.others[name], look=Look(describe.DISC)) for x, s in pairs]
         charts.append(Chart(title, Axis("distance slid, m", low=0.0), up, means))
     columns = math.ceil(math.sqrt(len(steps)))
     return Figure(charts, columns, legend=5, width=describe.PAGE, height=3.0)
@@ -68,8 +69,9 @@ def _lines(step: RecordStep, *, first: bool) -> list[Line | Level]:
 def loops_figure(analysis: Analysis) -> Figure:
     """Draw the friction force over the position, in the first, the middle and the last cycle."""
     looks = (Look(describe.DISC), Look(describe.COUNTER, "dash"), Look(describe.CONTACT, "dot"))
-    closed = ([np.append(v, v[0]) for v in (loop.position, loop.force)] for loop in analysis.loops)
-    named = zip(closed, analysis.loops, looks, strict=False)
-    lines = [Line(*both, f"cycle {loop.cycle}", look) for both, loop, look in named]
+    lines = []
+    for loop, look in zip(analysis.loops, looks, strict=False):
+        x, force = (np.append(values, values[0]) for values in (loop.position, loop.force))
+        lines.append(Line(x, force, f"cycle {loop.cycle}", look))
     chart = Chart("Friction loops", Axis("position, mm"), Axis("friction force, N"), lines)
     return Figure([chart], 1, legend=3, width=describe.COLUMN, height=2.6)
