@@ -146,7 +146,7 @@ def test_strokes_give_stroke_and_track(tmp_path: Path) -> None:
 
 
 def test_a_few_strokes_have_the_speed_of_many(tmp_path: Path) -> None:
-    record = lab_strokes(tmp_path / "few.csv", stroke=8.0, cycles=10, cof=0.4)
+    record = lab_strokes(tmp_path / "few.csv", stroke=8.0, cycles=25, cof=0.4)
     study, _ = drafted([record], like="reciprocating", wear__disc=0)
     assert study.sliding.mean_speed == pytest.approx(16.0, rel=0.02)
 
