@@ -2,11 +2,16 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.contact.certificate import Certificate
 from warpwear.grid import FloatArray
+
+#: What is asked of a finished contact by its methods alone; each brings kernels of its own.
+conducting = lazy.module("warpwear.joint.conductance")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +90,45 @@ class ArrayContact:
         if self.hardness is None:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
+
+    @cached_property
+    def conductions(self) -> dict[Any, Any]:
+        """Return what its cells conduct, by what was asked; see `conductance`."""
+        return {}
+
+    def conductance(self, conductivity: float = 1.0, **options: Any) -> float:
+        """Return the conductance of the contact: conductivity × nominal area over potential × mean flux.
+
+        Thermal with k_s = 2 k₁ k₂ / (k₁ + k₂) of both bodies, electrical with that of their electrical ones;
+        where the surface repeats it is h over the nominal area. All cells in contact have one potential.
+
+        Parameters
+        ----------
+        conductivity : float
+            Of both bodies; 1 returns a length, 2a of a round spot of radius a.
+        film_resistance : float
+            Of a film on the area in contact, resistance × area, beside the constriction; 0 is none.
+        gap_conductivity, jump : float
+            Of a gas or grease that fills the gap, and the length by which the gap is longer for it; what they
+            conduct is added as if it flowed straight across.
+        boundary : {"periodic", "free", "line"}
+            By default that of the contact's half-space; a contact without one needs it.
+        device, threads : str, int
+            As of `solve_contact`; no result depends on the threads.
+        """
+        return float(conducting.conductance(self, conductivity, **options))
+
+    def stiffness(self, *, unloading: bool = False, **where: Any) -> float:
+        """Return by how much the load grows over the approach, a force over a length.
+
+        Loading, cells at the hardness carry no more; unloading, all cells in contact follow. where: as of
+        `conductance`.
+        """
+        return float(conducting.stiffness(self, unloading=unloading, **where))
+
+    def flux(self, **options: Any) -> FloatArray:
+        """Return the flux through each cell over its mean, shape (nx, ny), of `conductance` without film."""
+        return np.asarray(conducting.flux(self, **options))
 
     def __repr__(self) -> str:
         return (
