@@ -24,9 +24,9 @@ from warpwear.grid import FloatArray, Grid
 
 measurements = lazy.module("scipy.ndimage")
 
-#: Largest difference of potentials over the rms potential of a uniform flux: the conductance is right to its
-#: square. Of a flux that is asked for itself.
-TOLERANCE, FINE = 1.0e-3, 1.0e-6
+#: Largest difference of potentials over the rms potential of a uniform flux; by its square the conductance is
+#: wrong. The second of a flux that is asked for itself.
+TOLERANCE, FINE = 1.0e-2, 1.0e-6
 #: Cells of the median spot below which the mesh decides what it conducts.
 FEWEST_CELLS = 3
 
