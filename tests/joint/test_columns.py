@@ -38,7 +38,6 @@ def test_a_material_has_what_conducts() -> None:
     assert "disc.conductivity" in study.assumptions
     plain = warpwear.Study.load("v3-fine")
     assert "disc.conductivity" in plain.unused_keys
-    with pytest.raises(InputError, match="disc.conductivity .*does not apply without output.joint"):
-        plain.replace({"disc.conductivity": "16 W/m/K"})
-    with pytest.raises(InputError, match="output.joint = conductance needs contact.law = "):
+    assert "disc.conductivity" in plain.replace({"disc.conductivity": "16 W/m/K"}).unused_keys
+    with pytest.raises(InputError, match=r"output.joint = conductance needs contact.law = "):
         warpwear.Study.load("v1").replace({"output.joint": ["conductance"]})
