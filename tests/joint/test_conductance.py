@@ -211,5 +211,5 @@ def test_nothing_conducts_nothing_and_a_whole_surface_without_bound() -> None:
 def test_spots_of_few_cells_are_told() -> None:
     heights = np.random.default_rng(0).normal(size=(64, 64))
     contact = warpwear.solve_contact(heights, cell=1.0, mean_pressure=0.01, modulus=1.0)
-    with pytest.warns(UserWarning, match="half of the .* spots in contact are of fewer than 3 cells"):
+    with pytest.warns(UserWarning, match="half of the spots in contact are of fewer than 3 cells"):
         contact.conductance()

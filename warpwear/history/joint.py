@@ -1,6 +1,7 @@
 """What the contact of a snapshot conducts and how stiff it is: columns that output.joint asks for."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
@@ -10,13 +11,11 @@ from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
 from warpwear.study.study import Study
 
-#: Part of output.joint -> its columns of a contact, by name.
-PARTS: Mapping[str, Callable[[Study, ArrayContact], dict[str, float]]] = {
-    "conductance": lambda _, contact: {"conductance_length": contact.conductance()},
-    "stiffness": lambda _, contact: {
-        "stiffness_loading": contact.stiffness(),
-        "stiffness_unloading": contact.stiffness(unloading=True),
-    },
+#: Column -> its value of a contact; the first word of its name is what output.joint asks for.
+COLUMNS: Mapping[str, Callable[[ArrayContact], float]] = {
+    "conductance_length": ArrayContact.conductance,
+    "stiffness_loading": ArrayContact.stiffness,
+    "stiffness_unloading": partial(ArrayContact.stiffness, unloading=True),
 }
 
 
@@ -36,5 +35,4 @@ def columns_at(study: Study, snapshot: Snapshot, history: Mapping[str, FloatArra
     """Return the columns that a study asks for, of a snapshot of a run with a history."""
     at = min(int(np.searchsorted(history["distance"], snapshot.distance)), history["load"].size - 1)
     contact = contact_of(study, snapshot, float(history["load"][at]))
-    parts = [PARTS[part](study, contact) for part in study.output.joint]
-    return {name: value for part in parts for name, value in part.items()}
+    return {n: of(contact) for n, of in COLUMNS.items() if n.partition("_")[0] in study.output.joint}

@@ -129,8 +129,8 @@ def conductance(
     labels, spots = measurements.label(contact.pressure > 0.0)
     if spots and np.median(np.bincount(labels.ravel())[1:]) < FEWEST_CELLS:
         warnings.warn(
-            f"half of the {spots} spots in contact are of fewer than {FEWEST_CELLS} cells; finer ones are "
-            "needed to tell what they conduct.",
+            f"half of the spots in contact are of fewer than {FEWEST_CELLS} cells; finer ones are needed to "
+            "tell what they conduct.",
             stacklevel=3,
         )
     total = k * of_contact(contact, film=k * (film or 0.0), **where).length

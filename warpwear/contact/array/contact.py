@@ -97,37 +97,57 @@ class ArrayContact:
         return {}
 
     def conductance(self, conductivity: float = 1.0, **options: Any) -> float:
-        """Return the conductance of the contact: conductivity × nominal area over potential × mean flux.
+        """Return what the contact conducts between the bodies, whose cells in contact have one potential.
 
-        Thermal with k_s = 2 k₁ k₂ / (k₁ + k₂) of both bodies, electrical with that of their electrical ones;
-        where the surface repeats it is h over the nominal area. All cells in contact have one potential.
+        Where the surface repeats it is h over the nominal area. Other surfaces conduct ∫ q over the potential,
+        2a of a round spot of radius a.
 
         Parameters
         ----------
         conductivity : float
-            Of both bodies; 1 returns a length, 2a of a round spot of radius a.
-        film_resistance : float
-            Of a film on the area in contact, resistance × area, beside the constriction; 0 is none.
-        gap_conductivity, jump : float
-            Of a gas or grease that fills the gap, and the length by which the gap is longer for it; what they
-            conduct is added as if it flowed straight across.
-        boundary : {"periodic", "free", "line"}
-            By default that of the contact's half-space; a contact without one needs it.
-        device, threads : str, int
-            As of `solve_contact`; no result depends on the threads.
+            k_s = 2 k₁ k₂ / (k₁ + k₂) of both bodies, thermal or electrical; 1 returns a length.
+        **options
+            film_resistance, of a film on the area in contact, resistance × area; gap_conductivity of a gas or
+            grease in the gap, and jump, a length by which that is longer for it: what they conduct is added
+            as if it flowed straight across; boundary, by default that of the half-space; device and threads.
+
+        Returns
+        -------
+        float
+            Conductivity × length; infinite in full contact of a surface that repeats.
         """
         return float(conducting.conductance(self, conductivity, **options))
 
-    def stiffness(self, *, unloading: bool = False, **where: Any) -> float:
-        """Return by how much the load grows over the approach, a force over a length.
+    def stiffness(self, *, unloading: bool = False, **options: Any) -> float:
+        """Return by how much the load grows over the approach.
 
-        Loading, cells at the hardness carry no more; unloading, all cells in contact follow. where: as of
-        `conductance`.
+        Parameters
+        ----------
+        unloading : bool
+            Whether all cells in contact follow; else those at the hardness carry no more.
+        **options
+            boundary, device and threads, as of `conductance`.
+
+        Returns
+        -------
+        float
+            A force over a length.
         """
-        return float(conducting.stiffness(self, unloading=unloading, **where))
+        return float(conducting.stiffness(self, unloading=unloading, **options))
 
     def flux(self, **options: Any) -> FloatArray:
-        """Return the flux through each cell over its mean, shape (nx, ny), of `conductance` without film."""
+        """Return the flux of `conductance` through each cell, over its mean.
+
+        Parameters
+        ----------
+        **options
+            film (resistance × area × conductivity, a length), boundary, device and threads.
+
+        Returns
+        -------
+        array
+            Of shape (nx, ny).
+        """
         return np.asarray(conducting.flux(self, **options))
 
     def __repr__(self) -> str:
