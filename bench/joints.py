@@ -1,7 +1,7 @@
 """Joints of random surfaces beside lines of the literature: `python bench/joints.py`, a few minutes.
 
-Prints the tables of docs/validation/joints.md: conductance over the plastic and the elastic line for spectra, and
-from plastic to elastic by H/(E* g). Of Gaussian surfaces, periodic, of an area of 1, rms gradient g and E* of 1.
+Prints the tables of docs/validation/joints.md: conductance over the plastic and the elastic line for spectra,
+and from plastic to elastic by H/(E* g). Surfaces are Gaussian, periodic, of an area of 1 and an E* of 1.
 """
 
 import math
@@ -46,7 +46,7 @@ def shown(values: list[float]) -> str:
 
 
 def over_lines(heights: np.ndarray, sigma: float, g: float, pressure: float, hardness: float) -> list[float]:
-    """Conductance over the plastic line and over the elastic one, part of the area at the hardness, A E* g/p."""
+    """Conductance over the plastic line and over the elastic one, part of the area at H, A E* g/p."""
     contact = warpwear.solve_contact(
         g * heights, cell=1.0 / len(heights), mean_pressure=pressure, modulus=1.0,
         hardness=hardness, boundary="periodic", tolerance=1e-5,

@@ -99,8 +99,7 @@ class ArrayContact:
     def conductance(self, conductivity: float = 1.0, **options: Any) -> float:
         """Return what the contact conducts between the bodies, whose cells in contact have one potential.
 
-        Where the surface repeats it is h over the nominal area. Other surfaces conduct ∫ q over the potential,
-        2a of a round spot of radius a.
+        Where the surface repeats it is h × nominal area, else ∫ q over the potential: 2a of a round spot.
 
         Parameters
         ----------
