@@ -196,9 +196,9 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     return tuple(columns)
 
 
-def evolution_columns(study: Study) -> list[Quantity]:
+def evolution_columns(study: Study) -> tuple[Quantity, ...]:
     """Return the columns of the table of roughness, islands and joint that a run of the study has."""
-    return [quantity for quantity in per("snapshot") if quantity.applies_to(study)]
+    return tuple(quantity for quantity in per("snapshot") if quantity.applies_to(study))
 
 
 #: Measures of a stress, by name; and of a cycle, where there are fatigue limits.

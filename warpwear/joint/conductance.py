@@ -55,7 +55,7 @@ def conduction(
     A flux that gives them one potential is the pressure of a flat punch of their shape, less 1: the punch has
     as much more depth as a pressure of 1 displaces, so that no cell comes near to lifting off.
     """
-    box, grid, part = box_of(cells), Grid(*cells.shape, 1.0), np.s_[:, :]
+    box, grid, part = box_of(cells), Grid(cells.shape[0], cells.shape[1], 1.0), np.s_[:, :]
     if box is None or (boundary == "periodic" and cells.all()):
         whole = cells.size * cell**2 / film if film else math.inf
         return Conduction(whole if box else 0.0, cells.astype(np.float64))
@@ -72,7 +72,7 @@ def conduction(
     )
     with lent as place, giving_back(place.executor):
         solver, executor = place.half_space(boundary, math.inf, tolerance=tolerance), place.executor
-        executor.fill(solver.pressure_field, punch)
+        executor.fill(solver.pressure_field, punch.astype(np.float64))
         displaced = place.field("displacement")
         solver.operator.set_compliance(film / cell, 0.0)
         solver.operator.respond(solver.pressure_field, displaced)

@@ -162,7 +162,7 @@ def joint_curve(
     modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
     heights, cell = rough(*(read_surface(file, **how) for file in (path, against) if file is not None))
     wide = heights.reshape(heights.shape[0] // 2, 2, -1, 2).mean(axis=(1, 3))
-    given = {"modulus": modulus, "hardness": limit, "device": device}
+    given: dict[str, Any] = {"modulus": modulus, "hardness": limit, "device": device}
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         coarse, _ = press(wide, pressures, pair, cell=2.0 * cell, **given)
@@ -204,7 +204,7 @@ def loads_of(text: str) -> FloatArray:
     values = [quantity("--load", f"{one} {unit}", "MPa") for one in numbers.split(":" if is_range else ",")]
     if sorted({*values}) != values or (is_range and len(values) != 2):
         raise InputError(f"--load = {text!r}: allowed are '0.1:100 MPa', or loads that rise, '1, 5, 20 MPa'")
-    return np.geomspace(*values, LOADS) if is_range else np.array(values)
+    return np.geomspace(values[0], values[1], LOADS) if is_range else np.array(values)
 
 
 def rough(surface: MeasuredSurface, *others: MeasuredSurface) -> tuple[FloatArray, float]:
@@ -212,7 +212,8 @@ def rough(surface: MeasuredSurface, *others: MeasuredSurface) -> tuple[FloatArra
     bodies = [surface, *others]
     cell = max(pixel for body in bodies for pixel in body.pixel)
     least = np.min([body.surface.size for body in bodies], axis=0)
-    grid = Grid(*(2 * int(0.5 * size / cell + 1e-9) for size in least), cell)
+    nx, ny = (2 * int(0.5 * size / cell + 1e-9) for size in least)
+    grid = Grid(nx, ny, cell)
     heights = surface.surface.heights(grid.x, grid.y)
     return sum((one.surface.heights(grid.x, grid.y)[:, ::-1] for one in others), start=heights), cell
 
@@ -221,7 +222,7 @@ def press(
     heights: FloatArray, pressures: FloatArray, pair: list[Material], *, device: str, **given: Any
 ) -> tuple[Table, ArrayContact]:
     """Return the columns of all loads, NaN where it is not known what conducts, and the last contact."""
-    rows, on = [], {"device": device}
+    rows, on = [], dict[str, Any](device=device)
     k, rho = ([getattr(body, name) or math.nan for body in pair] for name in ("conductivity", "resistivity"))
     for pressure in pressures:
         contact = solve_contact(heights, mean_pressure=pressure, **on, **given)
