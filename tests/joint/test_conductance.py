@@ -11,9 +11,9 @@ from scipy.sparse import linalg
 
 import warpwear
 from warpwear.contact.half_space.influence import BOUNDARIES, free_coefficients, periodic_spectrum
+from warpwear.contact.joint.conductance import Conduction, conduction
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.joint.conductance import Conduction, conduction
 
 pytestmark = pytest.mark.transforms
 

@@ -45,9 +45,9 @@ class Body(Section):
     hardness: Hardness | None = key(
         None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
     )
-    conductivity: Annotated[float, InUnit("W/m/K")] | None = joint_key("thermal conductivity")
-    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = joint_key("heat capacity of a mass")
-    density: Annotated[float, InUnit("kg/m^3")] | None = joint_key("density")
+    conductivity: Annotated[float, InUnit("W/m/K")] | None = key(None, "thermal conductivity")
+    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = key(None, "heat capacity of a mass")
+    density: Annotated[float, InUnit("kg/m^3")] | None = key(None, "density")
     resistivity: Annotated[float, InUnit("ohm*m")] | None = joint_key("electrical resistivity")
     layers: tuple[LayerSection, ...] | None = key(
         None,

@@ -11,7 +11,7 @@ from warpwear.contact.certificate import Certificate
 from warpwear.grid import FloatArray
 
 #: What is asked of a finished contact by its methods alone; each brings kernels of its own.
-conducting = lazy.module("warpwear.joint.conductance")
+conducting = lazy.module("warpwear.contact.joint.conductance")
 
 
 @dataclass(frozen=True, eq=False)
