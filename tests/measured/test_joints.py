@@ -74,9 +74,10 @@ def test_the_command_prints_and_writes(
     header, *rows = (tmp_path / "fe.csv").read_text().splitlines()
     assert header.startswith("pressure [MPa],heat_transfer [W/m^2/K],resistance [ohm mm^2]")
     assert [float(row.split(",")[0]) for row in rows] == [1.0, 10.0]
-    with pytest.raises(SystemExit, match="2"):
-        main(command)
-    assert "lapped.npy-joint" in capsys.readouterr().err
+    for again, named in (([], "lapped.npy-joint"), (["--out", "other"], "--table = fe.csv is there already")):
+        with pytest.raises(SystemExit, match="2"):
+            main([*command, *again])
+        assert named in capsys.readouterr().err
     with pytest.raises(SystemExit, match="0"):
         main(["joint", str(surface), *OPTIONS, "--load", "5 MPa", "--json"])
     numbers = json.loads(capsys.readouterr().out)

@@ -8,6 +8,7 @@ import click
 from warpwear.cli.options import DEVICE, PATH
 from warpwear.cli.places import joints, written
 from warpwear.cli.surface import prepared, with_preparation
+from warpwear.errors import InputError
 
 
 @click.command()
@@ -36,10 +37,12 @@ def joint(surface: Path, **options: Any) -> None:
         folder = Path(f"{surface.name}-joint")
     if folder is not None:
         joints.check_out(folder, overwrite=overwrite)
+    if table is not None and table.exists() and not overwrite:
+        raise InputError(f"--table = {table} is there already: give another name, or --overwrite")
     given = {name: value for name, value in (prepared(options) | options).items() if value is not None}
     curve = joints.joint_curve(surface, **given)
     if table is not None:
-        curve.write_table(table, overwrite=overwrite)
+        curve.write_table(table)
     if folder is not None:
         curve.write(folder, overwrite=overwrite)
     end = f"written to {folder}/: {joints.PAGE}, {joints.TABLE}, {joints.MARK}, figures"

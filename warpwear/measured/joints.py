@@ -61,19 +61,16 @@ class JointCurve(FileReport, WrittenAsFolder):
     table: Table
     figures: Mapping[str, Figure]
 
-    def write_table(self, path: str | Path, *, overwrite: bool = False) -> None:
+    def write_table(self, path: str | Path) -> None:
         """Write the table as CSV, a row a load, units in the header.
 
         Parameters
         ----------
         path : path
-            Of the file.
-        overwrite : bool
-            Whether to replace a file that is there.
+            Of the file, which is replaced where it is there.
         """
-        with open(path, "w" if overwrite else "x", encoding="utf-8") as file:
-            rows = np.column_stack([*self.table.values()])
-            np.savetxt(file, rows, "%.9g", delimiter=",", header=",".join(HEADS), comments="")
+        rows = np.column_stack([*self.table.values()])
+        np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(HEADS), comments="")
 
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         check_out(folder, overwrite=overwrite)
@@ -236,7 +233,7 @@ def press(
             "stiffness_loading": contact.stiffness(**on) / area,
             "stiffness_unloading": contact.stiffness(unloading=True, **on) / area,
             "conductance": length / area,
-            "heat_transfer": 2e6 * length / area / sum(1e3 / one for one in k),
+            "heat_transfer": 2e3 * length / area / sum(1.0 / one for one in k),
             "resistance": 500.0 * area / length * sum(rho),
         }
         rows.append([row[name] for name in DECLARED["columns"]])
