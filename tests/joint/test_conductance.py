@@ -72,6 +72,16 @@ def test_a_round_spot_conducts_its_diameter_and_the_error_halves_with_the_cell(d
     assert np.divide(errors[:-1], errors[1:]) == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.parametrize("columns", [1, 6])
+def test_a_strip_conducts_by_the_logarithm_of_the_distance(columns: int, device: str) -> None:
+    """As a flat punch in plane strain, whose potential is 0 at the length of the array."""
+    cells = np.zeros((256, columns), dtype=bool)
+    cells[112:144] = True
+    found = conduction(cells, cell=0.5, boundary="line", device=device)
+    assert found.length == pytest.approx(0.5 * columns * math.pi / (2.0 * math.log(2.0 * 256 / 16)), rel=0.01)
+    assert np.ptp(found.flux, axis=1).max() < 1e-3 * found.flux.max()
+
+
 def test_spots_of_a_lattice_conduct_less_than_alone() -> None:
     """Beside a tube round about each, whose constriction is 1 − 1.40978 ε + 0.34406 ε³ of that alone."""
     for radius in (16, 32):
