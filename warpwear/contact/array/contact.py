@@ -2,11 +2,16 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.contact.certificate import Certificate
 from warpwear.grid import FloatArray
+
+#: What is asked of a finished contact by its methods alone; each brings kernels of its own.
+conducting = lazy.module("warpwear.contact.joint.conductance")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +90,64 @@ class ArrayContact:
         if self.hardness is None:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
+
+    @cached_property
+    def conductions(self) -> dict[Any, Any]:
+        """Return what its cells conduct, by what was asked; see `conductance`."""
+        return {}
+
+    def conductance(self, conductivity: float = 1.0, **options: Any) -> float:
+        """Return what the contact conducts between the bodies, whose cells in contact have one potential.
+
+        Where the surface repeats it is h × nominal area, else ∫ q over the potential: 2a of a round spot.
+
+        Parameters
+        ----------
+        conductivity : float
+            k_s = 2 k₁ k₂ / (k₁ + k₂) of both bodies, thermal or electrical; 1 returns a length.
+        **options
+            film_resistance, of a film on the area in contact, resistance × area; gap_conductivity of a gas or
+            grease in the gap, and jump, a length by which that is longer for it: what they conduct is added
+            as if it flowed straight across; boundary, by default that of the half-space; device and threads.
+
+        Returns
+        -------
+        float
+            Conductivity × length; infinite in full contact of a surface that repeats.
+        """
+        return float(conducting.conductance(self, conductivity, **options))
+
+    def stiffness(self, *, unloading: bool = False, **options: Any) -> float:
+        """Return by how much the load grows over the approach.
+
+        Parameters
+        ----------
+        unloading : bool
+            Whether all cells in contact follow; else those at the hardness carry no more.
+        **options
+            boundary, device and threads, as of `conductance`.
+
+        Returns
+        -------
+        float
+            A force over a length.
+        """
+        return float(conducting.stiffness(self, unloading=unloading, **options))
+
+    def flux(self, **options: Any) -> FloatArray:
+        """Return the flux of `conductance` through each cell, over its mean.
+
+        Parameters
+        ----------
+        **options
+            film (resistance × area × conductivity, a length), boundary, device and threads.
+
+        Returns
+        -------
+        array
+            Of shape (nx, ny).
+        """
+        return np.asarray(conducting.flux(self, **options))
 
     def __repr__(self) -> str:
         return (
