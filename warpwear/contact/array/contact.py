@@ -5,8 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
+from warpwear import lazy
+from warpwear.contact.array.found import FlowFactors
 from warpwear.contact.certificate import Certificate
 from warpwear.grid import FloatArray
+
+flow = lazy.module("warpwear.joint.flow")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +89,25 @@ class ArrayContact:
         if self.hardness is None:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
+
+    def flow_factors(self) -> FlowFactors:
+        """Return what flows through the gap, of a contact whose surface repeats; found once.
+
+        A warning tells where the gap has waves of fewer than four cells.
+        """
+        return self._flow_factors
+
+    @cached_property
+    def _flow_factors(self) -> FlowFactors:
+        factors: FlowFactors = flow.flow_factors(self)
+        return factors
+
+    def leakage(self, pressure_drop: float, *, viscosity: float, length: float, axis: int = 0) -> float:
+        """Return what leaks through a strip in a time, a volume for each unit of its width.
+
+        length: over which the pressure falls, along the axis.
+        """
+        return self.flow_factors().leakage(pressure_drop, viscosity=viscosity, length=length, axis=axis)
 
     def __repr__(self) -> str:
         return (
