@@ -18,7 +18,7 @@ STRIPES = 1.0 + 0.5 * np.sin(2.0 * math.pi * (np.arange(128) + 0.5) / 128)[:, np
 
 
 def pressed(mean_pressure: float, *, seed: int = 1, cells: int = 256) -> ArrayContact:
-    """A self-affine surface of rms slope 0.1, of waves from 8 cells to a quarter of its side, under a plane."""
+    """A self-affine surface of rms slope 0.1, of waves from 8 cells to a quarter of its side."""
     waves = np.hypot(np.fft.fftfreq(cells)[:, np.newaxis], np.fft.rfftfreq(cells))
     there = (waves >= 4 / cells) & (waves <= 1 / 8)
     heights = np.random.default_rng(seed).normal(size=(cells, cells))
@@ -148,6 +148,7 @@ def test_what_is_refused_and_told() -> None:
     with pytest.raises(InputError, match='boundary = "free" is not possible for flow'):
         free.flow_factors()
     bearing = {"cell": 1.0, "hardness": 1.0, "mean_pressure": 0.2}
+    heights = np.random.default_rng(1).normal(size=(32, 32))
     with pytest.warns(UserWarning, match="waves of fewer than 4 cells"):
         warpwear.solve_contact(heights, **bearing).flow_factors()
     under = warpwear.solve_contact(heights, **(bearing | {"mean_pressure": 0.01}), counter_radius=10.0)

@@ -49,8 +49,8 @@ def flow_factors(contact: ArrayContact) -> FlowFactors:
     claim("flow_factors", f"a gap of shape {gap.shape}", dict.fromkeys(free_memory("cpu"), needs))
     if short_slope(gap) > SHORT_SLOPE:
         warnings.warn(
-            f"the gap has waves of fewer than {FEWEST_CELLS} cells; what flows through it is that of the cells "
-            "rather than of the surfaces.",
+            f"the gap has waves of fewer than {FEWEST_CELLS} cells; what flows through it is that of the "
+            "cells rather than of the surfaces.",
             stacklevel=3,
         )
     (along, across, shear), is_open = through(gap / (mean or 1.0))

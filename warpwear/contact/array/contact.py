@@ -2,15 +2,16 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.array.found import FlowFactors
+from warpwear.contact.array.found import Flash, FlowFactors
 from warpwear.contact.certificate import Certificate
 from warpwear.grid import FloatArray
 
-flow = lazy.module("warpwear.joint.flow")
+flow, heating = lazy.module("warpwear.joint.flow"), lazy.module("warpwear.joint.flash")
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +109,37 @@ class ArrayContact:
         length: over which the pressure falls, along the axis.
         """
         return self.flow_factors().leakage(pressure_drop, viscosity=viscosity, length=length, axis=axis)
+
+    def flash(self, speed: float, **options: Any) -> Flash:
+        """Return how hot the contact gets that slides along axis 0, and which body its heat flows into.
+
+        Both are half-spaces, one of which moves steadily; nothing beside the array is heated.
+
+        Parameters
+        ----------
+        speed : float
+            Of sliding, a length over a time.
+        conductivity, diffusivity : float or pair of float
+            Of the body with the heights and of the other one: k, a force over time and temperature, and
+            κ = k/(ρ c), a length² over a time (in mm, N and s: W/(m K), and 10⁶ times m²/s).
+        friction : float
+            Of heat friction × pressure × speed; or instead of it
+        shear_strength : float
+            of heat shear_strength × speed wherever the bodies touch.
+        moving : {"heights", "counter"}
+            The body that moves through the contact, which stays on the other one.
+        bulk : pair of float
+            Temperatures of both far below, by default 0: what comes out is then the rise.
+        threads : int
+            As of `solve_contact`.
+
+        Raises
+        ------
+        InputError
+            For a line contact, and for numbers that are not possible.
+        """
+        hot: Flash = heating.flash(self, speed, **options)
+        return hot
 
     def __repr__(self) -> str:
         return (

@@ -1,8 +1,12 @@
-"""Users get this of what is asked of a finished contact: what flows through its gap."""
+"""Users get this of what is asked of a finished contact: what flows through its gap, how hot it gets."""
 
 from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from warpwear.contact.array.arguments import number
+from warpwear.grid import FloatArray
 
 
 @dataclass(frozen=True)
@@ -20,8 +24,8 @@ class FlowFactors:
     is_open : tuple of bool
         Whether a way leads through, along axis 0 and along axis 1.
     mean_gap, nominal_gap : float
-        Of the deformed surface, where it touches 0; and between the mean planes before they were deformed, which
-        may be negative.
+        Of the deformed surface, 0 where it touches; and between the mean planes before they were deformed,
+        which may be negative.
     """
 
     along: float
@@ -33,7 +37,7 @@ class FlowFactors:
 
     @property
     def nominal(self) -> tuple[float, float] | None:
-        """Return the factors along and across over the cube of the nominal gap; None where that is below 0."""
+        """Return what is along and across over the cube of the nominal gap; None where that is below 0."""
         if self.nominal_gap <= 0.0:
             return None
         cube = (self.mean_gap / self.nominal_gap) ** 3
@@ -47,3 +51,37 @@ class FlowFactors:
         numbers = {"pressure_drop": pressure_drop, "viscosity": viscosity, "length": length}
         drop, viscosity, length = (number(name, value, optional=False) for name, value in numbers.items())
         return float((self.along, self.across)[axis] * self.mean_gap**3 * drop / (12.0 * viscosity * length))
+
+
+@dataclass(frozen=True, eq=False)
+class Flash:
+    """Tells how hot a sliding contact gets, and which body its heat flows into.
+
+    Attributes
+    ----------
+    temperature : array
+        Of the cells in contact, where both bodies are as hot, shape (nx, ny); NaN elsewhere.
+    heat : array
+        What friction makes, of each cell a power over an area.
+    heat_into : array
+        What of it flows into the body with the heights; it may be below 0, or above all, of single cells.
+    """
+
+    temperature: FloatArray
+    heat: FloatArray
+    heat_into: FloatArray
+
+    @cached_property
+    def largest(self) -> float:
+        """Return the largest temperature; 0 where nothing touches."""
+        return float(np.nanmax(self.temperature)) if self.heat.any() else 0.0
+
+    @cached_property
+    def mean(self) -> float:
+        """Return the mean temperature of the cells in contact; 0 where nothing touches."""
+        return float(np.nanmean(self.temperature)) if self.heat.any() else 0.0
+
+    @cached_property
+    def share(self) -> float:
+        """Return the share of the heat that flows into the body with the heights."""
+        return float(self.heat_into.sum() / (self.heat.sum() or 1.0))

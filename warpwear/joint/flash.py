@@ -1,0 +1,173 @@
+"""How hot a finished contact gets that slides is found: its heat is shared so that both bodies are as hot.
+
+The rise at x of a steady source on a half-space that moves with v along +x is ∫ q e^{−a (R − X)}/(2πkR) dA,
+R the distance from the source, X the way behind it, a = v/2κ (Jaeger 1942, J. Proc. R. Soc. N. S. W. 76,
+203; Tian and Kennedy 1994, J. Tribol. 116, 167).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.contact.array.arguments import check_choice, number, shape_of, shown
+from warpwear.contact.array.contact import ArrayContact
+from warpwear.contact.array.elastic import box_of
+from warpwear.contact.array.found import Flash
+from warpwear.engine.device import check_threads
+from warpwear.errors import ConvergenceError, InputError
+from warpwear.grid import FloatArray, IntArray
+
+fft, special = lazy.module("scipy.fft"), lazy.module("scipy.special")
+solvers = lazy.module("scipy.sparse.linalg")
+
+#: Bodies that may move through the contact, which the other one carries along.
+MOVING = ("heights", "counter")
+#: Cells around a source in which its kernel is integrated, and points of each of them across sliding.
+NEAR = 8
+POINTS = 24
+#: Half the Péclet number of a cell, below which nothing varies within those further away, and the least.
+SLOW = 0.1
+LEAST = 1.0e-9
+#: Difference of the temperatures in contact, over the rise of the body alone that would be less hot, rms.
+TOLERANCE = 3.0e-4
+
+
+def flash(
+    contact: ArrayContact,
+    speed: float,
+    *,
+    conductivity: float | tuple[float, float],
+    diffusivity: float | tuple[float, float],
+    friction: float | None = None,
+    shear_strength: float | None = None,
+    moving: str = "heights",
+    bulk: tuple[float, float] = (0.0, 0.0),
+    threads: int | None = None,
+) -> Flash:
+    """Return what `ArrayContact.flash` does."""
+    speed = number("speed", speed, optional=False)
+    friction, strength = number("friction", friction), number("shear_strength", shear_strength)
+    check_choice("exactly one", friction=friction, shear_strength=strength)
+    if contact.boundary == "line":
+        raise InputError('boundary = "line" is not possible for heat; it must be of limited extent.')
+    if moving not in MOVING:
+        raise InputError(f"moving = {shown(moving)} is unknown; allowed are {' and '.join(MOVING)}.")
+    pairs = ("conductivity", conductivity, False), ("diffusivity", diffusivity, False), ("bulk", bulk, True)
+    values = []
+    for name, given, signed in pairs:
+        pair = given if shape_of(given) == (2,) else (given, given)
+        values.append([number(name, value, any_sign=signed, optional=False) for value in pair])
+    bodies = [
+        Heated(conducts, speed * contact.cell / (2.0 * diffuses) * (moving == body), far)
+        for body, conducts, diffuses, far in zip(MOVING, *values, strict=True)
+    ]
+    pressure = contact.pressure
+    heat = friction * pressure if strength is None else np.where(pressure > 0.0, strength, 0.0)
+    into, temperature = shared(speed * heat, bodies, cell=contact.cell, workers=check_threads(threads))
+    return Flash(temperature=temperature, heat=speed * heat, heat_into=into)
+
+
+class Heated(NamedTuple):
+    """A half-space that heat flows into."""
+
+    conductivity: float
+    decay: float  # v/2κ of a body that moves along axis 0, times a cell
+    bulk: float  # temperature far below
+
+    def response(self, shape: tuple[int, int], workers: int) -> FloatArray:
+        """Return the waves of the rise, over the cell, by heat of cells on a padded shape."""
+        rows, columns = (size // 2 for size in shape)
+        rises = cell_rises(np.arange(-rows, rows), np.arange(columns + 1), abs(self.decay))
+        turned = rises if self.decay >= 0.0 else np.roll(rises[::-1], 1, axis=0)
+        whole = np.concatenate([turned, turned[:, columns - 1 : 0 : -1]], axis=1)
+        return np.asarray(fft.rfft2(fft.ifftshift(whole, axes=0), workers=workers) / self.conductivity)
+
+    def slope(self, shape: tuple[int, int]) -> FloatArray:
+        """Return by what a rise over the cell makes the heat, about: of waves, shape (nx, ny//2 + 1)."""
+        along = 2.0 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis]
+        square = along**2 + (2.0 * np.pi * np.fft.rfftfreq(shape[1])) ** 2
+        square[0, 0] = (2.0 * np.pi / max(shape)) ** 2
+        return np.asarray(self.conductivity * np.sqrt(square + 2j * self.decay * along))
+
+
+def cell_rises(away: IntArray, across: IntArray, decay: float) -> FloatArray:
+    """Return 1/2π ∫ e^{−a (R − X)}/R dA over a cell, from 0 on across; X from its middle, cells 1 wide.
+
+    Far behind it in parabolas, √(R ± X), across which the integral is of an exponential of a square.
+    """
+    x, y = away[:, np.newaxis].astype(np.float64), across.astype(np.float64)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.hypot(x, y)
+        late = np.where(x > 0.0, y**2 / (distance + x), distance - x)
+        values = np.exp(-decay * late) / distance
+    if decay >= SLOW:
+        x = x[away >= 0]
+        edges = np.arange(across[-1] + 2) - 0.5
+        parabola = special.erf(np.sqrt(decay) * edges / np.sqrt(np.hypot(x, edges) + x))
+        width = np.sqrt(np.maximum(np.hypot(x, y) + x, 1.0))
+        values[away >= 0] = np.sqrt(np.pi / decay) * np.diff(parabola, axis=1) / width
+    near = np.abs(away) <= NEAR
+    values[near, : NEAR + 1] = _near_rises(max(decay, LEAST))[away[near] + NEAR, : across.size]
+    return values / (2.0 * np.pi)
+
+
+def _near_rises(decay: float) -> FloatArray:
+    """Return ∫ e^{−a (R − X)}/R dA over the cells up to `NEAR` away: along X it is exact, E₁(a (R − X)).
+
+    From the middle outwards, where that is a logarithm, points across lie as the fifth powers of Gauss's.
+    """
+    points, weights = np.polynomial.legendre.leggauss(POINTS)
+    points, weights = 0.5 * (points + 1.0), 0.5 * weights
+    y = np.concatenate([[0.5 * points**5], np.arange(1, NEAR + 1)[:, np.newaxis] - 0.5 + points])
+    shares = np.concatenate([[5.0 * points**4 * weights], np.tile(weights, (NEAR, 1))])
+    x = (np.arange(-NEAR, NEAR + 2) - 0.5)[:, np.newaxis, np.newaxis]
+    distance = np.hypot(x, y)
+    late = np.where(x > 0.0, y**2 / (distance + np.maximum(x, 0.0)), distance - x)
+    return np.asarray(np.sum(np.diff(special.exp1(decay * late), axis=0) * shares, axis=-1))
+
+
+def shared(
+    heat: FloatArray, bodies: list[Heated], *, cell: float, workers: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the heat that flows into the first body, and the temperature where there is any heat.
+
+    There both bodies are as hot. heat: of each cell, a power over an area, 0 where nothing touches.
+    """
+    into, temperature, box = np.zeros(heat.shape), np.full(heat.shape, np.nan), box_of(heat > 0.0)
+    if box is None:
+        return into, temperature
+    window = slice(box[0], box[1] + 1), slice(box[2], box[3] + 1)
+    heat = heat[window]
+    part, touches, size = heat.shape, heat > 0.0, float(heat.max())
+    padded = tuple(2 * fft.next_fast_len(n, real=True) for n in part)
+    one, two = (body.response(padded, workers).astype(np.complex64) for body in bodies)
+    sloped = [body.slope(part) for body in bodies]
+    inverse = (sloped[0] * sloped[1] / (sloped[0] + sloped[1])).astype(np.complex64)
+    both = one + two
+    field = np.zeros(part, dtype=np.float32)  # whose rounding is far below the tolerance
+
+    def applied(spectrum: FloatArray, values: FloatArray, shape: tuple[int, int]) -> FloatArray:
+        field[touches] = values
+        waves = fft.rfft2(field, s=shape, workers=workers)
+        waves *= spectrum
+        return np.asarray(fft.irfft2(waves, s=shape, workers=workers)[: part[0], : part[1]][touches])
+
+    count = int(touches.sum())
+    alone, wanted = (applied(body, heat[touches] / size, padded) for body in (one, two))
+    scale = min(float(np.linalg.norm(rise)) for rise in (alone, wanted))
+    wanted += (bodies[1].bulk - bodies[0].bulk) / (size * cell)
+    flow, failed = solvers.gmres(
+        solvers.LinearOperator((count, count), lambda values: applied(both, values, padded)),
+        wanted,
+        M=solvers.LinearOperator((count, count), lambda values: applied(inverse, values, part)),
+        rtol=0.0,
+        atol=TOLERANCE * scale,
+        restart=60,
+        maxiter=5,
+    )
+    if failed:
+        raise ConvergenceError("the temperatures of both bodies in contact could not be made the same.")
+    into[window][touches] = flow * size
+    temperature[window][touches] = applied(one, flow, padded) * (size * cell) + bodies[0].bulk
+    return into, temperature
