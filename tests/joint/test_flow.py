@@ -59,11 +59,11 @@ def dense(gap: FloatArray) -> tuple[float, float, float]:
 
 def test_stripes() -> None:
     """Across them 1/⟨g⁻³⟩, along them ⟨g³⟩; a wave that slides carries 1 − ⟨g⁻²⟩/⟨g⁻³⟩."""
-    (across, along, carried), is_open = through(STRIPES)
+    across, along, carried, is_open = through(STRIPES)
     carries = 1.0 - np.mean(STRIPES**-2.0) / np.mean(STRIPES**-3.0)
     assert_allclose((across, along, carried), (0.4330127018922193, 1.375, carries), rtol=1e-11)
     assert is_open == (True, True)
-    assert_allclose(through(STRIPES.T.copy())[0], (1.375, 0.4330127018922193, 0.0), rtol=1e-11, atol=1e-14)
+    assert_allclose(through(STRIPES.T.copy())[:3], (1.375, 0.4330127018922193, 0.0), rtol=1e-11, atol=1e-14)
 
 
 @pytest.mark.parametrize("lift", [1.5, 0.5])
@@ -71,19 +71,19 @@ def test_against_a_dense_solve(lift: float) -> None:
     """With cells that are closed, and such that no way leads away from."""
     gap = np.maximum(lift + rough(Grid(18, 14, 1.0), seed=3), 0.0)
     gap /= gap.mean()
-    assert_allclose(through(gap)[0], dense(gap), rtol=1e-8)
+    assert_allclose(through(gap)[:3], dense(gap), rtol=1e-8)
 
 
 def test_a_turned_surface_swaps_along_and_across() -> None:
     gap = np.maximum(1.0 + rough(Grid(60, 45, 1.0), seed=2, shortest=6), 0.0)
-    (along, across, _), _ = through(gap)
-    assert_allclose(through(np.rot90(gap).copy())[0][:2], (across, along), rtol=1e-9)
+    along, across, _, _ = through(gap)
+    assert_allclose(through(np.rot90(gap).copy())[:2], (across, along), rtol=1e-9)
 
 
 def test_low_waves() -> None:
     """1 − 3/2 (σ/h)² of waves of all directions: half of −6 (σ/h)² across them and of 3 (σ/h)² along them."""
     gaps = [1.0 + 0.01 * rough(Grid(96, 96, 1.0), seed=seed, shortest=16) for seed in range(8)]
-    flows = np.array([through(gap / gap.mean())[0][:2] for gap in gaps]).mean(axis=1)
+    flows = np.array([through(gap / gap.mean())[:2] for gap in gaps]).mean(axis=1)
     spread = flows.std(ddof=1) / math.sqrt(len(flows))
     assert abs(flows.mean() - (1.0 - 1.5e-4)) < 3.0 * spread + 1e-6
     assert spread < 1e-5
@@ -95,7 +95,7 @@ def test_isotropic_roughness(ratio: float) -> None:
     factors = []
     for seed in range(6):
         gap = np.maximum(ratio + rough(Grid(128, 128, 1.0), seed=seed, shortest=8), 0.0)
-        factors += [flow * (gap.mean() / ratio) ** 3 for flow in through(gap / gap.mean())[0][:2]]
+        factors += [flow * (gap.mean() / ratio) ** 3 for flow in through(gap / gap.mean())[:2]]
     assert np.mean(factors) == pytest.approx(1.0 - 0.9 * math.exp(-0.56 * ratio), abs=0.06)
 
 
@@ -145,12 +145,12 @@ def test_a_strip_leaks() -> None:
 def test_what_is_refused_and_told() -> None:
     heights = rough(Grid(32, 32, 1.0), shortest=2)
     free = warpwear.solve_contact(heights, cell=1.0, load=1.0, modulus=1.0, boundary="free")
-    with pytest.raises(InputError, match='boundary = "free" is not possible for flow'):
+    with pytest.raises(InputError, match="boundary = free is not possible for flow"):
         free.flow_factors()
     bearing = {"cell": 1.0, "hardness": 1.0, "mean_pressure": 0.2}
     heights = np.random.default_rng(1).normal(size=(32, 32))
     with pytest.warns(UserWarning, match="waves of fewer than 4 cells"):
         warpwear.solve_contact(heights, **bearing).flow_factors()
     under = warpwear.solve_contact(heights, **(bearing | {"mean_pressure": 0.01}), counter_radius=10.0)
-    with pytest.raises(InputError, match="infinite beyond the counter-body"):
+    with pytest.raises(InputError, match="under a counter-body neither"):
         under.flow_factors()
