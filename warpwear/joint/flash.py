@@ -5,13 +5,14 @@ R the distance from the source, X the way behind it, a = v/2κ (Jaeger 1942, J. 
 203; Tian and Kennedy 1994, J. Tribol. 116, 167).
 """
 
+from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.contact.array.arguments import check_choice, number, shape_of, shown
-from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import box_of
 from warpwear.contact.array.found import Flash
 from warpwear.engine.device import check_threads
@@ -34,38 +35,36 @@ TOLERANCE = 3.0e-4
 
 
 def flash(
-    contact: ArrayContact,
+    pressure: FloatArray,
     speed: float,
     *,
-    conductivity: float | tuple[float, float],
-    diffusivity: float | tuple[float, float],
+    cell: float,
+    conductivity: float | Sequence[float],
+    diffusivity: float | Sequence[float],
     friction: float | None = None,
     shear_strength: float | None = None,
     moving: str = "heights",
-    bulk: tuple[float, float] = (0.0, 0.0),
+    bulk: float | Sequence[float] = 0.0,
     threads: int | None = None,
 ) -> Flash:
-    """Return what `ArrayContact.flash` does."""
+    """Return what `ArrayContact.flash` does, under a pressure of cells."""
     speed = number("speed", speed, optional=False)
     friction, strength = number("friction", friction), number("shear_strength", shear_strength)
     check_choice("exactly one", friction=friction, shear_strength=strength)
-    if contact.boundary == "line":
-        raise InputError('boundary = "line" is not possible for heat; it must be of limited extent.')
     if moving not in MOVING:
         raise InputError(f"moving = {shown(moving)} is unknown; allowed are {' and '.join(MOVING)}.")
-    pairs = ("conductivity", conductivity, False), ("diffusivity", diffusivity, False), ("bulk", bulk, True)
-    values = []
-    for name, given, signed in pairs:
-        pair = given if shape_of(given) == (2,) else (given, given)
-        values.append([number(name, value, any_sign=signed, optional=False) for value in pair])
-    bodies = [
-        Heated(conducts, speed * contact.cell / (2.0 * diffuses) * (moving == body), far)
-        for body, conducts, diffuses, far in zip(MOVING, *values, strict=True)
+    given = {"conductivity": conductivity, "diffusivity": diffusivity, "bulk": bulk}
+    pairs = {name: one if shape_of(one) == (2,) else (one, one) for name, one in given.items()}
+    constants = [
+        [number(name, value, any_sign=name == "bulk", optional=False) for value in pair]
+        for name, pair in pairs.items()
     ]
-    pressure = contact.pressure
-    heat = friction * pressure if strength is None else np.where(pressure > 0.0, strength, 0.0)
-    into, temperature = shared(speed * heat, bodies, cell=contact.cell, workers=check_threads(threads))
-    return Flash(temperature=temperature, heat=speed * heat, heat_into=into)
+    bodies = [
+        Heated(conducts, (moving == body) * speed * cell / (2.0 * diffuses), far)
+        for body, conducts, diffuses, far in zip(MOVING, *constants, strict=True)
+    ]
+    heat = speed * (friction * pressure if strength is None else np.where(pressure > 0.0, strength, 0.0))
+    return Flash(heat, *shared(heat, bodies, cell=cell, workers=check_threads(threads)))
 
 
 class Heated(NamedTuple):
@@ -147,27 +146,24 @@ def shared(
     both = one + two
     field = np.zeros(part, dtype=np.float32)  # whose rounding is far below the tolerance
 
-    def applied(spectrum: FloatArray, values: FloatArray, shape: tuple[int, int]) -> FloatArray:
+    def applied(spectrum: FloatArray, values: FloatArray, *, shape: tuple[int, int]) -> FloatArray:
         field[touches] = values
         waves = fft.rfft2(field, s=shape, workers=workers)
         waves *= spectrum
         return np.asarray(fft.irfft2(waves, s=shape, workers=workers)[: part[0], : part[1]][touches])
 
     count = int(touches.sum())
-    alone, wanted = (applied(body, heat[touches] / size, padded) for body in (one, two))
+    alone, wanted = (applied(body, heat[touches] / size, shape=padded) for body in (one, two))
     scale = min(float(np.linalg.norm(rise)) for rise in (alone, wanted))
     wanted += (bodies[1].bulk - bodies[0].bulk) / (size * cell)
-    flow, failed = solvers.gmres(
-        solvers.LinearOperator((count, count), lambda values: applied(both, values, padded)),
-        wanted,
-        M=solvers.LinearOperator((count, count), lambda values: applied(inverse, values, part)),
-        rtol=0.0,
-        atol=TOLERANCE * scale,
-        restart=60,
-        maxiter=5,
+    operator = partial(solvers.LinearOperator, (count, count))
+    makes, inverts = (
+        operator(partial(applied, waves, shape=shape)) for waves, shape in ((both, padded), (inverse, part))
     )
+    limits = {"rtol": 0.0, "atol": TOLERANCE * scale, "restart": 60, "maxiter": 5}
+    flow, failed = solvers.gmres(makes, wanted, M=inverts, **limits)
     if failed:
         raise ConvergenceError("the temperatures of both bodies in contact could not be made the same.")
     into[window][touches] = flow * size
-    temperature[window][touches] = applied(one, flow, padded) * (size * cell) + bodies[0].bulk
+    temperature[window][touches] = applied(one, flow, shape=padded) * (size * cell) + bodies[0].bulk
     return into, temperature

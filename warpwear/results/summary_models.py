@@ -21,6 +21,7 @@ from warpwear.results.track import both_directions, course, groove, is_short, ro
 #: Parts of the area in contact that the uppermost layer has no more when it is half worn through, and first.
 HALF, LEAST = 0.5, 1.0e-9
 below = lazy.module("warpwear.contact.stress.stresses")
+heating = lazy.module("warpwear.joint.flash")
 
 
 def arrangement(result: ResultFile) -> dict[str, Any]:
@@ -163,6 +164,41 @@ def _hertz(result: ResultFile) -> dict[str, Any] | None:
         numbers["approach_um"] = 1.0e3 * hertz.approach
     round_one = hertz.radius_across in (None, hertz.counter_radius)  # a ball has one radius
     return numbers | ({} if round_one else {"semi_axes_um": [1.0e3 * axis for axis in hertz.semi_axes]})
+
+
+def heat(result: ResultFile, cof: float) -> dict[str, Any]:
+    """Return how much hotter than the bodies the last contact is, or what is not known of it.
+
+    The disc moves through a contact that stays on the counter-body, at the mean speed; friction by shear
+    strengths heats the contact evenly.
+    """
+    study, distances = result.study, result.snapshot_distances
+    if not result.history["distance"][-1]:
+        return {}
+    bodies, names = (study.disc, study.counter), ("conductivity", "heat_capacity", "density")
+    constants = [[getattr(body, name) for body in bodies] for name in names]
+    known = {
+        f"{name.replace('_', ' ')} of the {title}": value
+        for name, values in zip(names, constants, strict=True)
+        for title, value in zip(("disc", study.counter.name), values, strict=True)
+    }
+    kept = distances.size and distances[-1] == result.history["distance"][-1]
+    known |= {"sliding speed": study.blocks[-1].speed, "coefficient of friction": cof > 0.0 or None}
+    known["snapshot of all its cells"] = bool(kept and study.study.model != "two-scale") or None
+    known["contact of limited extent"] = not study.is_line or None
+    if missing := [name for name, value in known.items() if value is None]:
+        return {"flash_unknown": f"no {missing[0]}"}
+    pressure, (conducts, heats, weighs) = result.snapshot(-1).pressure, np.array(constants)
+    even = {"shear_strength": cof * float(pressure[pressure > 0.0].mean())}
+    hot = heating.flash(
+        pressure,
+        study.blocks[-1].speed,
+        cell=study.grid.cell,
+        conductivity=conducts,
+        diffusivity=1.0e6 * conducts / (heats * weighs),  # [mm²/s]
+        **(even if study.friction.law_with().strengths else {"friction": cof}),
+    )
+    return {"flash_K": {"largest": hot.largest, "mean": hot.mean}}
 
 
 def _patches(result: ResultFile) -> dict[str, Any] | None:

@@ -34,6 +34,10 @@ EXAMPLES = {
     "mm/N": "a compliance such as '0.05 um/N'",
     "N/mm": "an energy of an area such as '2 J/m^2'",
     "MB": "a memory such as '256 MB'",
+    "W/m/K": "a thermal conductivity such as '16 W/m/K'",
+    "J/kg/K": "a heat capacity such as '500 J/kg/K'",
+    "kg/m^3": "a density such as '7800 kg/m^3'",
+    "ohm*m": "a resistivity such as '7.2e-7 ohm*m'",
 }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.contact.array.found import Flash, FlowFactors
 from warpwear.contact.certificate import Certificate
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
 flow, heating = lazy.module("warpwear.joint.flow"), lazy.module("warpwear.joint.flash")
@@ -138,7 +139,9 @@ class ArrayContact:
         InputError
             For a line contact, and for numbers that are not possible.
         """
-        hot: Flash = heating.flash(self, speed, **options)
+        if self.boundary == "line":
+            raise InputError('boundary = "line" is not possible for heat; it must be of limited extent.')
+        hot: Flash = heating.flash(self.pressure, speed, cell=self.cell, **options)
         return hot
 
     def __repr__(self) -> str:

@@ -59,17 +59,17 @@ class Flash:
 
     Attributes
     ----------
-    temperature : array
-        Of the cells in contact, where both bodies are as hot, shape (nx, ny); NaN elsewhere.
     heat : array
-        What friction makes, of each cell a power over an area.
+        What friction makes, of each cell a power over an area, shape (nx, ny).
     heat_into : array
         What of it flows into the body with the heights; it may be below 0, or above all, of single cells.
+    temperature : array
+        Of the cells in contact, where both bodies are as hot; NaN elsewhere.
     """
 
-    temperature: FloatArray
     heat: FloatArray
     heat_into: FloatArray
+    temperature: FloatArray
 
     @cached_property
     def largest(self) -> float:
