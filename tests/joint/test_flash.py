@@ -10,9 +10,9 @@ from scipy import fft
 
 import warpwear
 from warpwear.contact.array.contact import ArrayContact
+from warpwear.contact.joint.flash import Heated, cell_rises, shared
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.joint.flash import Heated, cell_rises, shared
 
 CELLS = 256
 SIDE = 2.2  # of the array, in radii of the disc
@@ -44,8 +44,8 @@ def dense(body: Heated, touches: Any, cell: float) -> FloatArray:
     here = np.argwhere(touches)
     way, across = np.moveaxis(here[:, np.newaxis] - here, 2, 0)
     size = max(touches.shape)
-    table = cell_rises(np.arange(-size, size), np.arange(size), abs(body.decay)) * cell / body.conductivity
-    return np.asarray(table[(way if body.decay >= 0.0 else -way) + size, np.abs(across)])
+    table = cell_rises(np.arange(-size, size), np.arange(size), body.decay) * cell / body.conductivity
+    return np.asarray(table[way + size, np.abs(across)])
 
 
 @pytest.mark.parametrize("peclet", DISCS)
@@ -87,18 +87,16 @@ def test_cells(decay: float) -> None:
 def test_the_wake_does_not_come_round() -> None:
     heat, wide = disc(40, SIDE), np.zeros((200, 80))
     wide[20:60, 20:60] = heat
-    for decay in (0.0, 0.3, -0.3):
+    for decay in (0.0, 0.3, 3.0):
         body = Heated(1.0, decay, 0.0)
-        there = rise(wide, body, 1.0)
-        assert_allclose(there[20:60, 20:60], rise(heat, body, 1.0), rtol=1e-10)
-        assert_allclose(rise(wide[::-1], Heated(1.0, -decay, 0.0), 1.0)[::-1], there, atol=1e-7)
+        assert_allclose(rise(wide, body, 1.0)[20:60, 20:60], rise(heat, body, 1.0), atol=1e-9)
 
 
 @pytest.mark.parametrize(
     "bodies",
     [
         (Heated(1.0, 0.0, 0.0), Heated(3.0, 0.5, 0.0)),
-        (Heated(1.0, -0.3, 0.1), Heated(0.2, 5.0, 0.0)),
+        (Heated(1.0, 0.3, 0.1), Heated(0.2, 5.0, 0.0)),
         (Heated(2.0, 30.0, 0.0), Heated(2.0, 0.0, -0.4)),
     ],
 )

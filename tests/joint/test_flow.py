@@ -10,9 +10,9 @@ import warpwear
 from tests.cases_half_space import rough
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.found import FlowFactors
+from warpwear.contact.joint.flow import through, ways
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.joint.flow import through, ways
 
 STRIPES = 1.0 + 0.5 * np.sin(2.0 * math.pi * (np.arange(128) + 0.5) / 128)[:, np.newaxis] + np.zeros(6)
 

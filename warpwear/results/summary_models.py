@@ -21,7 +21,7 @@ from warpwear.results.track import both_directions, course, groove, is_short, ro
 #: Parts of the area in contact that the uppermost layer has no more when it is half worn through, and first.
 HALF, LEAST = 0.5, 1.0e-9
 below = lazy.module("warpwear.contact.stress.stresses")
-heating = lazy.module("warpwear.joint.flash")
+heating = lazy.module("warpwear.contact.joint.flash")
 
 
 def arrangement(result: ResultFile) -> dict[str, Any]:
@@ -169,34 +169,30 @@ def _hertz(result: ResultFile) -> dict[str, Any] | None:
 def heat(result: ResultFile, cof: float) -> dict[str, Any]:
     """Return how much hotter than the bodies the last contact is, or what is not known of it.
 
-    The disc moves through a contact that stays on the counter-body, at the mean speed; friction by shear
-    strengths heats the contact evenly.
+    The disc moves at its mean speed through a contact that stays on the counter-body; heat goes by pressure.
     """
     study, distances = result.study, result.snapshot_distances
     if not result.history["distance"][-1]:
         return {}
-    bodies, names = (study.disc, study.counter), ("conductivity", "heat_capacity", "density")
-    constants = [[getattr(body, name) for body in bodies] for name in names]
-    known = {
-        f"{name.replace('_', ' ')} of the {title}": value
-        for name, values in zip(names, constants, strict=True)
-        for title, value in zip(("disc", study.counter.name), values, strict=True)
-    }
+    bodies = {"disc": study.disc, study.counter.name: study.counter}
+    names = ("conductivity", "heat_capacity", "density")
+    constants = [[getattr(body, name) for body in bodies.values()] for name in names]
+    constants = np.array(constants, dtype=np.float64)  # of which None is not a number
+    missing = [f"{names[i]} of the {[*bodies][j]}" for i, j in np.argwhere(np.isnan(constants))]
     kept = distances.size and distances[-1] == result.history["distance"][-1]
-    known |= {"sliding speed": study.blocks[-1].speed, "coefficient of friction": cof > 0.0 or None}
-    known["snapshot of all its cells"] = bool(kept and study.study.model != "two-scale") or None
-    known["contact of limited extent"] = not study.is_line or None
-    if missing := [name for name, value in known.items() if value is None]:
-        return {"flash_unknown": f"no {missing[0]}"}
-    pressure, (conducts, heats, weighs) = result.snapshot(-1).pressure, np.array(constants)
-    even = {"shear_strength": cof * float(pressure[pressure > 0.0].mean())}
+    others = {"sliding speed": study.blocks[-1].speed, "coefficient of friction": cof > 0.0}
+    others["snapshot of all its cells"] = kept and study.study.model != "two-scale"
+    others["contact of limited extent"] = not study.is_line
+    if missing := missing + [name for name, is_known in others.items() if not is_known]:
+        return {"flash_unknown": f"no {missing[0].replace('_', ' ')}"}
+    conducts, heats, weighs = constants
     hot = heating.flash(
-        pressure,
+        result.snapshot(-1).pressure,
         study.blocks[-1].speed,
         cell=study.grid.cell,
         conductivity=conducts,
         diffusivity=1.0e6 * conducts / (heats * weighs),  # [mm²/s]
-        **(even if study.friction.law_with().strengths else {"friction": cof}),
+        friction=cof,
     )
     return {"flash_K": {"largest": hot.largest, "mean": hot.mean}}
 

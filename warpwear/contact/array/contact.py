@@ -12,7 +12,7 @@ from warpwear.contact.certificate import Certificate
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
-flow, heating = lazy.module("warpwear.joint.flow"), lazy.module("warpwear.joint.flash")
+flow, heating = lazy.module("warpwear.contact.joint.flow"), lazy.module("warpwear.contact.joint.flash")
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,21 +93,37 @@ class ArrayContact:
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
 
     def flow_factors(self) -> FlowFactors:
-        """Return what flows through the gap, of a contact whose surface repeats; found once.
+        """Find what flows through the gap, of a contact whose surface repeats.
 
         A warning tells where the gap has waves of fewer than four cells.
-        """
-        return self._flow_factors
 
-    @cached_property
-    def _flow_factors(self) -> FlowFactors:
+        Returns
+        -------
+        FlowFactors
+            Along both axes, each call anew.
+
+        Raises
+        ------
+        InputError
+            For a contact on a free half-space, of a line, and under a counter-body.
+        """
         factors: FlowFactors = flow.flow_factors(self)
         return factors
 
     def leakage(self, pressure_drop: float, *, viscosity: float, length: float, axis: int = 0) -> float:
-        """Return what leaks through a strip in a time, a volume for each unit of its width.
+        """Return what leaks through a strip of the contact, whose flow factors are found anew.
 
-        length: over which the pressure falls, along the axis.
+        Parameters
+        ----------
+        pressure_drop, viscosity, length : float
+            The pressure falls by so much over so long a strip; the fluid's viscosity is a pressure × time.
+        axis : int
+            Along which it falls.
+
+        Returns
+        -------
+        float
+            A volume over time and width: an area over a time.
         """
         return self.flow_factors().leakage(pressure_drop, viscosity=viscosity, length=length, axis=axis)
 
@@ -120,24 +136,26 @@ class ArrayContact:
         ----------
         speed : float
             Of sliding, a length over a time.
-        conductivity, diffusivity : float or pair of float
-            Of the body with the heights and of the other one: k, a force over time and temperature, and
-            κ = k/(ρ c), a length² over a time (in mm, N and s: W/(m K), and 10⁶ times m²/s).
-        friction : float
-            Of heat friction × pressure × speed; or instead of it
-        shear_strength : float
-            of heat shear_strength × speed wherever the bodies touch.
-        moving : {"heights", "counter"}
-            The body that moves through the contact, which stays on the other one.
-        bulk : pair of float
-            Temperatures of both far below, by default 0: what comes out is then the rise.
-        threads : int
-            As of `solve_contact`.
+        **options
+            conductivity and diffusivity, each a number of both bodies, or a pair: of the body with the
+            heights and of the other one. k is a force over time and temperature, κ = k/(ρ c) a length² over a time:
+            in mm, N and s that of W/(m K), and 10⁶ times that of m²/s. friction, of heat friction × pressure
+            × speed, or shear_strength, of heat shear_strength × speed wherever the bodies touch. moving:
+            "heights" or "counter", the body that moves through the contact, which stays on the other one.
+            bulk: the temperature of both far below, or a pair; by default 0, and what comes out is the rise.
+            threads: of the CPU.
+
+        Returns
+        -------
+        Flash
+            Temperatures, heat, and how it is shared.
 
         Raises
         ------
         InputError
             For a line contact, and for numbers that are not possible.
+        ConvergenceError
+            Where the temperatures of both bodies cannot be made the same.
         """
         if self.boundary == "line":
             raise InputError('boundary = "line" is not possible for heat; it must be of limited extent.')

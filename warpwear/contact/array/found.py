@@ -44,9 +44,19 @@ class FlowFactors:
         return self.along * cube, self.across * cube
 
     def leakage(self, pressure_drop: float, *, viscosity: float, length: float, axis: int = 0) -> float:
-        """Return what leaks through a strip in a time, a volume for each unit of its width.
+        """Return what leaks through a strip of the contact.
 
-        length: over which the pressure falls, along the axis.
+        Parameters
+        ----------
+        pressure_drop, viscosity, length : float
+            The pressure falls by so much over so long a strip; the fluid's viscosity is a pressure × time.
+        axis : int
+            Along which it falls.
+
+        Returns
+        -------
+        float
+            A volume over time and width: an area over a time.
         """
         numbers = {"pressure_drop": pressure_drop, "viscosity": viscosity, "length": length}
         drop, viscosity, length = (number(name, value, optional=False) for name, value in numbers.items())

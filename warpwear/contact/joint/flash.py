@@ -54,11 +54,10 @@ def flash(
     if moving not in MOVING:
         raise InputError(f"moving = {shown(moving)} is unknown; allowed are {' and '.join(MOVING)}.")
     given = {"conductivity": conductivity, "diffusivity": diffusivity, "bulk": bulk}
-    pairs = {name: one if shape_of(one) == (2,) else (one, one) for name, one in given.items()}
-    constants = [
-        [number(name, value, any_sign=name == "bulk", optional=False) for value in pair]
-        for name, pair in pairs.items()
-    ]
+    constants = []
+    for name, one in given.items():
+        pair = one if shape_of(one) == (2,) else (one, one)
+        constants.append([number(name, value, any_sign=name == "bulk", optional=False) for value in pair])
     bodies = [
         Heated(conducts, (moving == body) * speed * cell / (2.0 * diffuses), far)
         for body, conducts, diffuses, far in zip(MOVING, *constants, strict=True)
@@ -74,20 +73,12 @@ class Heated(NamedTuple):
     decay: float  # v/2κ of a body that moves along axis 0, times a cell
     bulk: float  # temperature far below
 
-    def response(self, shape: tuple[int, int], workers: int) -> FloatArray:
+    def response(self, shape: Sequence[int], workers: int) -> FloatArray:
         """Return the waves of the rise, over the cell, by heat of cells on a padded shape."""
         rows, columns = (size // 2 for size in shape)
-        rises = cell_rises(np.arange(-rows, rows), np.arange(columns + 1), abs(self.decay))
-        turned = rises if self.decay >= 0.0 else np.roll(rises[::-1], 1, axis=0)
-        whole = np.concatenate([turned, turned[:, columns - 1 : 0 : -1]], axis=1)
-        return np.asarray(fft.rfft2(fft.ifftshift(whole, axes=0), workers=workers) / self.conductivity)
-
-    def slope(self, shape: tuple[int, int]) -> FloatArray:
-        """Return by what a rise over the cell makes the heat, about: of waves, shape (nx, ny//2 + 1)."""
-        along = 2.0 * np.pi * np.fft.fftfreq(shape[0])[:, np.newaxis]
-        square = along**2 + (2.0 * np.pi * np.fft.rfftfreq(shape[1])) ** 2
-        square[0, 0] = (2.0 * np.pi / max(shape)) ** 2
-        return np.asarray(self.conductivity * np.sqrt(square + 2j * self.decay * along))
+        rises = cell_rises(np.arange(-rows, rows), np.arange(columns + 1), self.decay) / self.conductivity
+        rises = np.concatenate([rises, rises[:, columns - 1 : 0 : -1]], axis=1)
+        return np.asarray(fft.rfft2(fft.ifftshift(rises, axes=0), workers=workers))
 
 
 def cell_rises(away: IntArray, across: IntArray, decay: float) -> FloatArray:
@@ -96,10 +87,9 @@ def cell_rises(away: IntArray, across: IntArray, decay: float) -> FloatArray:
     Far behind it in parabolas, √(R ± X), across which the integral is of an exponential of a square.
     """
     x, y = away[:, np.newaxis].astype(np.float64), across.astype(np.float64)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.hypot(x, y)
-        late = np.where(x > 0.0, y**2 / (distance + x), distance - x)
-        values = np.exp(-decay * late) / distance
+    distance = np.hypot(x, y)
+    late = np.where(x > 0.0, y**2 / np.maximum(distance + x, 1.0), distance - x)
+    values = np.exp(-decay * late) / np.maximum(distance, 1.0)
     if decay >= SLOW:
         x = x[away >= 0]
         edges = np.arange(across[-1] + 2) - 0.5
@@ -139,31 +129,29 @@ def shared(
     window = slice(box[0], box[1] + 1), slice(box[2], box[3] + 1)
     heat = heat[window]
     part, touches, size = heat.shape, heat > 0.0, float(heat.max())
-    padded = tuple(2 * fft.next_fast_len(n, real=True) for n in part)
+    half = [fft.next_fast_len(n, real=True) for n in part]
+    padded = [2 * n for n in half]
     one, two = (body.response(padded, workers).astype(np.complex64) for body in bodies)
-    sloped = [body.slope(part) for body in bodies]
-    inverse = (sloped[0] * sloped[1] / (sloped[0] + sloped[1])).astype(np.complex64)
-    both = one + two
     field = np.zeros(part, dtype=np.float32)  # whose rounding is far below the tolerance
 
-    def applied(spectrum: FloatArray, values: FloatArray, *, shape: tuple[int, int]) -> FloatArray:
+    def applied(spectrum: FloatArray, shape: list[int], values: FloatArray) -> FloatArray:
         field[touches] = values
         waves = fft.rfft2(field, s=shape, workers=workers)
         waves *= spectrum
         return np.asarray(fft.irfft2(waves, s=shape, workers=workers)[: part[0], : part[1]][touches])
 
-    count = int(touches.sum())
-    alone, wanted = (applied(body, heat[touches] / size, shape=padded) for body in (one, two))
+    alone, wanted = (applied(waves, padded, heat[touches] / size) for waves in (one, two))
     scale = min(float(np.linalg.norm(rise)) for rise in (alone, wanted))
     wanted += (bodies[1].bulk - bodies[0].bulk) / (size * cell)
-    operator = partial(solvers.LinearOperator, (count, count))
+    # Every other wave is one of what comes round on half of the shape: about its inverse, for a quarter.
     makes, inverts = (
-        operator(partial(applied, waves, shape=shape)) for waves, shape in ((both, padded), (inverse, part))
+        solvers.LinearOperator((alone.size, alone.size), partial(applied, waves, shape))
+        for waves, shape in ((one + two, padded), (1.0 / (one + two)[::2, ::2], half))
     )
     limits = {"rtol": 0.0, "atol": TOLERANCE * scale, "restart": 60, "maxiter": 5}
     flow, failed = solvers.gmres(makes, wanted, M=inverts, **limits)
     if failed:
         raise ConvergenceError("the temperatures of both bodies in contact could not be made the same.")
     into[window][touches] = flow * size
-    temperature[window][touches] = applied(one, flow, shape=padded) * (size * cell) + bodies[0].bulk
+    temperature[window][touches] = applied(one, padded, flow) * (size * cell) + bodies[0].bulk
     return into, temperature
