@@ -138,11 +138,11 @@ class ArrayContact:
             Of sliding, a length over a time.
         **options
             conductivity and diffusivity, each a number of both bodies, or a pair: of the body with the
-            heights and of the other one. k is a force over time and temperature, κ = k/(ρ c) a length² over a time:
-            in mm, N and s that of W/(m K), and 10⁶ times that of m²/s. friction, of heat friction × pressure
-            × speed, or shear_strength, of heat shear_strength × speed wherever the bodies touch. moving:
-            "heights" or "counter", the body that moves through the contact, which stays on the other one.
-            bulk: the temperature of both far below, or a pair; by default 0, and what comes out is the rise.
+            heights and of the other one. k is a force over time and temperature, κ = k/(ρ c) a length² over a
+            time: in mm, N and s that of W/(m K), and 10⁶ times that of m²/s. friction, of heat friction ×
+            pressure × speed, or shear_strength, of heat shear_strength × speed wherever the bodies touch.
+            moving: "heights" or "counter", the body that moves through the contact, which stays on the other
+            one. bulk: the temperature of both far below, or a pair; by default 0, and what comes out is the rise.
             threads: of the CPU.
 
         Returns
