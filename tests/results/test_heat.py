@@ -66,7 +66,6 @@ def test_what_is_no_longer_small() -> None:
         ({"disc__material": None, "disc__conductivity": None}, "no conductivity of the disc"),
         ({"counter__material": None, "counter__heat_capacity": None}, "no heat capacity of the ball"),
         ({"sliding__speed": None, "sliding__frequency": None}, "no sliding speed"),
-        ({"output__snapshots": []}, "no snapshot of all its cells"),
     ],
 )
 def test_what_is_not_known(changes: dict[str, Any], unknown: str) -> None:

@@ -176,8 +176,8 @@ def heat(result: ResultFile, cof: float) -> dict[str, Any]:
         return {}
     bodies = {"disc": study.disc, study.counter.name: study.counter}
     names = ("conductivity", "heat_capacity", "density")
-    constants = [[getattr(body, name) for body in bodies.values()] for name in names]
-    constants = np.array(constants, dtype=np.float64)  # of which None is not a number
+    values = [[getattr(body, name) for body in bodies.values()] for name in names]
+    constants = np.array(values, dtype=np.float64)  # of which None is not a number
     missing = [f"{names[i]} of the {[*bodies][j]}" for i, j in np.argwhere(np.isnan(constants))]
     kept = distances.size and distances[-1] == result.history["distance"][-1]
     others = {"sliding speed": study.blocks[-1].speed, "coefficient of friction": cof > 0.0}

@@ -44,13 +44,9 @@ class Body(Section):
     hardness: Hardness | None = key(
         None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
     )
-    conductivity: Annotated[float, InUnit("W/m/K")] | None = key(
-        None, "thermal conductivity, for how hot the contact gets"
-    )
-    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = key(
-        None, "heat capacity of a mass, for the same"
-    )
-    density: Annotated[float, InUnit("kg/m^3")] | None = key(None, "density, for the same")
+    conductivity: Annotated[float, InUnit("W/m/K")] | None = key(None, "thermal conductivity")
+    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = key(None, "heat capacity of a mass")
+    density: Annotated[float, InUnit("kg/m^3")] | None = key(None, "density")
     layers: tuple[LayerSection, ...] | None = key(
         None,
         "layers over the body, from the surface down; its own keys are those of the substrate below them",

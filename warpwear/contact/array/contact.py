@@ -142,8 +142,8 @@ class ArrayContact:
             time: in mm, N and s that of W/(m K), and 10⁶ times that of m²/s. friction, of heat friction ×
             pressure × speed, or shear_strength, of heat shear_strength × speed wherever the bodies touch.
             moving: "heights" or "counter", the body that moves through the contact, which stays on the other
-            one. bulk: the temperature of both far below, or a pair; by default 0, and what comes out is the rise.
-            threads: of the CPU.
+            one. bulk: the temperature of both far below, or a pair; by default 0, and what comes out is the
+            rise. threads: of the CPU.
 
         Returns
         -------

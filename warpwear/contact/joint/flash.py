@@ -7,7 +7,7 @@ R the distance from the source, X the way behind it, a = v/2κ (Jaeger 1942, J. 
 
 from collections.abc import Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def flash(
     given = {"conductivity": conductivity, "diffusivity": diffusivity, "bulk": bulk}
     constants = []
     for name, one in given.items():
-        pair = one if shape_of(one) == (2,) else (one, one)
+        pair: Any = one if shape_of(one) == (2,) else (one, one)
         constants.append([number(name, value, any_sign=name == "bulk", optional=False) for value in pair])
     bodies = [
         Heated(conducts, (moving == body) * speed * cell / (2.0 * diffuses), far)
@@ -134,7 +134,7 @@ def shared(
     one, two = (body.response(padded, workers).astype(np.complex64) for body in bodies)
     field = np.zeros(part, dtype=np.float32)  # whose rounding is far below the tolerance
 
-    def applied(spectrum: FloatArray, shape: list[int], values: FloatArray) -> FloatArray:
+    def applied(spectrum: Any, shape: list[int], values: FloatArray) -> FloatArray:
         field[touches] = values
         waves = fft.rfft2(field, s=shape, workers=workers)
         waves *= spectrum
