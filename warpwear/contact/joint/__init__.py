@@ -1,1 +1,1 @@
-"""What leaks through a finished contact, and how hot it gets, is found here."""
+"""What a finished contact conducts, how stiff it is, what leaks through it, how hot it gets: found here."""
