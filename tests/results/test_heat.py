@@ -6,6 +6,7 @@ import pytest
 
 import warpwear
 from warpwear.history.end_values import Summary
+from warpwear.results import summary_models
 from warpwear.results.ending import WARM, friction_of
 
 STEEL = {
@@ -73,6 +74,15 @@ def test_what_is_not_known(changes: dict[str, Any], unknown: str) -> None:
     assert "flash_K" not in summary
     assert summary["flash_unknown"] == unknown
     assert text.endswith(f"; temperature not known: {unknown}")
+
+
+def test_what_cannot_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(summary_models, "MOST_HEATED", 9)
+        assert told()[0]["flash_unknown"] == "too many cells"
+    with monkeypatch.context() as patched:
+        patched.setattr("warpwear.contact.joint.flash.TOLERANCE", 1e-30)
+        assert "could not be made the same" in told()[1]
 
 
 def test_nothing_slides() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES
@@ -20,6 +21,8 @@ from warpwear.results.track import both_directions, course, groove, is_short, ro
 
 #: Parts of the area in contact that the uppermost layer has no more when it is half worn through, and first.
 HALF, LEAST = 0.5, 1.0e-9
+#: Cells that a contact spans at most of which it is told how hot it gets: a few seconds, and 2 GB.
+MOST_HEATED = 2**22
 below = lazy.module("warpwear.contact.stress.stresses")
 heating = lazy.module("warpwear.contact.joint.flash")
 
@@ -185,15 +188,20 @@ def heat(result: ResultFile, cof: float) -> dict[str, Any]:
     others["contact of limited extent"] = not study.is_line
     if missing := missing + [name for name, is_known in others.items() if not is_known]:
         return {"flash_unknown": f"no {missing[0].replace('_', ' ')}"}
-    conducts, heats, weighs = constants
-    hot = heating.flash(
-        result.snapshot(-1).pressure,
-        study.blocks[-1].speed,
-        cell=study.grid.cell,
-        conductivity=conducts,
-        diffusivity=1.0e6 * conducts / (heats * weighs),  # [mm²/s]
-        friction=cof,
-    )
+    pressure, (conducts, heats, weighs) = result.snapshot(-1).pressure, constants
+    if math.prod(np.count_nonzero(pressure.any(axis=axis)) for axis in (0, 1)) > MOST_HEATED:
+        return {"flash_unknown": "too many cells"}
+    try:
+        hot = heating.flash(
+            pressure,
+            study.blocks[-1].speed,
+            cell=study.grid.cell,
+            conductivity=conducts,
+            diffusivity=1.0e6 * conducts / (heats * weighs),  # [mm²/s]
+            friction=cof,
+        )
+    except ConvergenceError as error:
+        return {"flash_unknown": str(error)}
     return {"flash_K": {"largest": hot.largest, "mean": hot.mean}}
 
 
