@@ -92,6 +92,13 @@ class ArrayContact:
             return 0.0
         return np.count_nonzero(self.pressure >= self.hardness) * self.cell**2
 
+    def __repr__(self) -> str:
+        return (
+            f"<contact: area {self.area:.4g} of {self.nominal_area:.4g}, "
+            f"mean pressure {self.mean_pressure:.4g}, approach {self.approach:.4g}, "
+            f"{self.evaluations} evaluations>"
+        )
+
     def flow_factors(self) -> FlowFactors:
         """Find what flows through the gap, of a contact whose surface repeats.
 
@@ -161,10 +168,3 @@ class ArrayContact:
             raise InputError('boundary = "line" is not possible for heat; it must be of limited extent.')
         hot: Flash = heating.flash(self.pressure, speed, cell=self.cell, **options)
         return hot
-
-    def __repr__(self) -> str:
-        return (
-            f"<contact: area {self.area:.4g} of {self.nominal_area:.4g}, "
-            f"mean pressure {self.mean_pressure:.4g}, approach {self.approach:.4g}, "
-            f"{self.evaluations} evaluations>"
-        )
