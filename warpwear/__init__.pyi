@@ -20,6 +20,8 @@ from warpwear.calibration.strength import calibrate_friction as calibrate_fricti
 from warpwear.comparison.compare import ComparedRuns as ComparedRuns
 from warpwear.comparison.compare import compare as compare
 from warpwear.contact.array.contact import ArrayContact as ArrayContact
+from warpwear.contact.array.found import Flash as Flash
+from warpwear.contact.array.found import FlowFactors as FlowFactors
 from warpwear.contact.array.shear import ShearCertificate as ShearCertificate
 from warpwear.contact.array.shear import ShearedContact as ShearedContact
 from warpwear.contact.array.solve import solve_contact as solve_contact

@@ -14,6 +14,8 @@ from warpwear.study.study import Study
 
 #: Rank of notes on no number, which are not counted.
 LIGHTEST = 3
+#: Rise of the temperature from which it is no longer small [K].
+WARM = 20.0
 #: Lines at most, its head among them: one more is that of its page.
 MOST_LINES = 9
 
@@ -36,4 +38,4 @@ def ending(result: ResultFile) -> str:
 
 def friction_of(study: Study, s: Summary) -> str:
     """Say how friction goes, which end of it is an input, and what predicts it elsewhere."""
-    return filled("friction.txt", escape=False, study=study, s=s).strip()
+    return filled("friction.txt", escape=False, study=study, s=s, warm=WARM).strip()

@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.contact.array.found import Flash, FlowFactors
 from warpwear.contact.certificate import Certificate
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
 #: What is asked of a finished contact by its methods alone; each brings kernels of its own.
 conducting = lazy.module("warpwear.contact.joint.conductance")
+flow, heating = lazy.module("warpwear.contact.joint.flow"), lazy.module("warpwear.contact.joint.flash")
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,3 +158,73 @@ class ArrayContact:
             f"mean pressure {self.mean_pressure:.4g}, approach {self.approach:.4g}, "
             f"{self.evaluations} evaluations>"
         )
+
+    def flow_factors(self) -> FlowFactors:
+        """Find what flows through the gap, of a contact whose surface repeats.
+
+        A warning tells where the gap has waves of fewer than four cells.
+
+        Returns
+        -------
+        FlowFactors
+            Along both axes, each call anew.
+
+        Raises
+        ------
+        InputError
+            For a contact on a free half-space, of a line, and under a counter-body.
+        """
+        factors: FlowFactors = flow.flow_factors(self)
+        return factors
+
+    def leakage(self, pressure_drop: float, *, viscosity: float, length: float, axis: int = 0) -> float:
+        """Return what leaks through a strip of the contact, whose flow factors are found anew.
+
+        Parameters
+        ----------
+        pressure_drop, viscosity, length : float
+            The pressure falls by so much over so long a strip; the fluid's viscosity is a pressure × time.
+        axis : int
+            Along which it falls.
+
+        Returns
+        -------
+        float
+            A volume over time and width: an area over a time.
+        """
+        return self.flow_factors().leakage(pressure_drop, viscosity=viscosity, length=length, axis=axis)
+
+    def flash(self, speed: float, **options: Any) -> Flash:
+        """Return how hot the contact gets that slides along axis 0, and which body its heat flows into.
+
+        Both are half-spaces, one of which moves steadily; nothing beside the array is heated.
+
+        Parameters
+        ----------
+        speed : float
+            Of sliding, a length over a time.
+        **options
+            conductivity and diffusivity, each a number of both bodies, or a pair: of the body with the
+            heights and of the other one. k is a force over time and temperature, κ = k/(ρ c) a length² over a
+            time: in mm, N and s that of W/(m K), and 10⁶ times that of m²/s. friction, of heat friction ×
+            pressure × speed, or shear_strength, of heat shear_strength × speed wherever the bodies touch.
+            moving: "heights" or "counter", the body that moves through the contact, which stays on the other
+            one. bulk: the temperature of both far below, or a pair; by default 0, and what comes out is the
+            rise. threads: of the CPU.
+
+        Returns
+        -------
+        Flash
+            Temperatures, heat, and how it is shared.
+
+        Raises
+        ------
+        InputError
+            For a line contact, and for numbers that are not possible.
+        ConvergenceError
+            Where the temperatures of both bodies cannot be made the same.
+        """
+        if self.boundary == "line":
+            raise InputError('boundary = "line" is not possible for heat; it must be of limited extent.')
+        hot: Flash = heating.flash(self.pressure, speed, cell=self.cell, **options)
+        return hot
