@@ -51,6 +51,29 @@ def test_strength_and_area_are_not_told_apart_by_one_coefficient() -> None:
     assert not identify(with_scar, *found_for(with_scar)).indistinct
 
 
+@pytest.mark.parametrize("error", [0.02, 0.05, 0.1, 0.2])
+def test_one_number_never_tells_two_unknowns_apart(error: float) -> None:
+    """Its information has rank one: however large its error, and whatever was drawn, only a sum is told."""
+    asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
+    for seed in range(6):
+        scar = 1.269 + error * np.random.default_rng(seed).standard_normal()
+        posterior = posterior_of(smooth_study(), asked, Data(values=(MeasuredValue("scar", scar, error),)))
+        found = identify(posterior, *found_for(posterior, seed=seed, draws=20_000))
+        assert "the sum wear.counter + wear.disc" in found.sentences[0]
+
+
+def test_three_unknowns_of_one_coefficient_are_told_as_a_product() -> None:
+    study = smooth_study()
+    asked: dict[str, str | None] = dict.fromkeys(("friction.shear_strength", "wear.counter", "wear.disc"))
+    asked["friction.shear_strength"] = "log-uniform 1 .. 10 MPa"
+    for seed in range(6):
+        data = Data(points=(MeasuredValue("friction", 0.4, 0.05, study.sliding.total),))
+        posterior = posterior_of(study, asked, data)
+        found = identify(posterior, *found_for(posterior, seed=seed, draws=20_000))
+        assert set(found.indistinct[0].keys) == set(asked)
+        assert "the product friction.shear_strength · wear.counter^" in found.sentences[0]
+
+
 def test_an_unknown_of_which_data_say_nothing_is_named() -> None:
     study = smooth_study()
     posterior = posterior_of(

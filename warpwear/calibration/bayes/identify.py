@@ -1,23 +1,24 @@
 """Which unknowns the data tell, which they cannot tell apart, and what a study misses, in words.
 
 The Fisher information of the data at places of the posterior, in the standard normal numbers of the unknowns,
-says it: a direction with an eigenvalue below one is known from the prior alone. Where such a direction moves
-several unknowns each of which the data would tell if the others were known, these cannot be told apart; what
-is known is the direction across.
+says it: a direction with an eigenvalue below one is known from the prior alone. Unknowns that such directions
+move together cannot be told apart; what is known is the direction across.
 """
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.measurements import KINDS
 from warpwear.ensembles.datum import CONTRADICTION
 from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
+
+csgraph = lazy.module("scipy.sparse.csgraph")
 
 #: Part of the test over which residuals go together from where on the computed course has another shape.
 OTHER_SHAPE = 0.5
@@ -38,11 +39,10 @@ DRAWS = 400
 PLACES = 24
 #: Step of derivatives, in standard deviations of the prior.
 STEP = 1e-3
-#: Information, in that of the prior, below which data teach nothing, and above which they would tell an
-#: unknown.
-NOTHING, MUCH = 1.0, 4.0
-#: Least part in a direction that counts.
-PART = 0.25
+#: Information, in that of the prior, below which the prior tells more than the data.
+NOTHING = 1.0
+#: Least part of an unknown, squared, in directions of the prior from which they move it, and own it.
+MOVED, OWNED = 0.06, 0.5
 #: Information below which a single unknown is left as it was.
 UNTOUCHED = 0.1
 #: What is said where nothing else is.
@@ -67,10 +67,11 @@ class Indistinct:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What the data tell. indistinct: groups of unknowns; untouched: those that it says nothing of."""
+    """What the data tell. indistinct: groups of unknowns; untouched, hardly: of which they say too little."""
 
     indistinct: tuple[Indistinct, ...]
     untouched: tuple[str, ...]
+    hardly: tuple[str, ...]
     correlations: tuple[tuple[str, str, float], ...]
 
     @property
@@ -78,6 +79,7 @@ class Identified:
         """Say all of it."""
         lines = [str(group) for group in self.indistinct]
         lines += [f"These data say nothing of {key}: it stays as its prior has it." for key in self.untouched]
+        lines += [f"These data say little of {key}: its prior tells more." for key in self.hardly]
         lines += [
             f"{first} goes {'with' if r > 0.0 else 'against'} {second} (correlation {r:.2f}): knowing one "
             "better makes the other better known."
@@ -144,26 +146,30 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     """Find what the data tell, from samples of all unknowns: key -> (samples,), and z (samples, unknowns)."""
     keys = [unknown.key for unknown in posterior.model.unknowns]
     fisher = information(posterior, some_of(values, PLACES))
-    groups: Counter[tuple[str, ...]] = Counter()
-    for one in fisher:
-        sizes, vectors = np.linalg.eigh(one)
-        for vector in vectors.T[sizes < NOTHING]:
-            moved = [n for n in range(len(keys)) if abs(vector[n]) > PART and one[n, n] > MUCH]
-            if len(moved) > 1:
-                groups[tuple(keys[n] for n in moved)] += 1
-    indistinct = []
-    taken: set[str] = set()
-    for group, count in groups.most_common():
-        if count > PLACES // 2 and not taken & set(group):
-            taken |= set(group)
-            indistinct.append(Indistinct(group, _known(posterior, group, values), _why(posterior, group)))
     typical = np.median(np.diagonal(fisher, axis1=1, axis2=2), axis=0)
-    untouched = tuple(key for key, size in zip(keys, typical, strict=True) if size < UNTOUCHED)
+    touched = typical >= UNTOUCHED
+    sizes, vectors = np.linalg.eigh(fisher)
+    prior = vectors * (sizes < NOTHING)[:, None]
+    moved = np.median(np.abs(prior @ prior.transpose(0, 2, 1)), axis=0) * np.outer(touched, touched)
+    if touched.all() and np.median(sizes[:, 0]) < NOTHING and moved.max() < MOVED:
+        moved[:] = 1.0  # many unknowns, each a little
+    both = (moved > MOVED) & np.outer(*2 * [np.diagonal(moved) > MOVED])
+    _, labels = csgraph.connected_components(both, directed=False)
+    groups = [tuple(keys[n] for n in np.flatnonzero(labels == label)) for label in dict.fromkeys(labels)]
+    indistinct = [
+        Indistinct(group, _known(posterior, group, values), _why(posterior, group))
+        for group in groups
+        if len(group) > 1
+    ]
+    untouched = tuple(key for key, is_touched in zip(keys, touched, strict=True) if not is_touched)
+    alone = {group[0] for group in groups if len(group) == 1}
+    owned = zip(keys, np.diagonal(moved) > OWNED, strict=True)
+    hardly = tuple(key for key, is_owned in owned if is_owned and key in alone)
     count = len(keys)
     together = np.atleast_2d(np.corrcoef(z[:, :count].T))
     pairs = np.argwhere(np.tril(np.abs(together) > STRONG, -1))
     strong = tuple((keys[i], keys[j], float(together[i, j])) for i, j in pairs)
-    return Identified(tuple(indistinct), untouched, strong)
+    return Identified(tuple(indistinct), untouched, hardly, strong)
 
 
 def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, FloatArray]) -> str:
@@ -183,12 +189,12 @@ def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, Float
 
 
 def _powers(columns: list[FloatArray]) -> FloatArray:
-    """Return powers of positive unknowns, the first 1, whose product scatters least."""
+    """Return powers of positive unknowns, the largest 1, whose product scatters least."""
     logs = np.log(np.array(columns))
     spread = logs.std(axis=1)
     _, vectors = np.linalg.eigh(np.corrcoef(logs))
     powers = vectors[:, 0] / spread
-    return np.asarray(powers / powers[0])
+    return np.asarray(powers / powers[np.argmax(np.abs(powers))])
 
 
 def _why(posterior: Posterior, group: tuple[str, ...]) -> str:

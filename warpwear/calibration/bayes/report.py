@@ -87,6 +87,7 @@ def content_of(inference: Inference) -> dict[str, Any]:
         "sentences": inference.sentences,
         "indistinct": [list(group.keys) for group in inference.identified.indistinct],
         "untouched": list(inference.identified.untouched),
+        "hardly_told": list(inference.identified.hardly),
         "target": inference.target,
         "next_tests": tests,
         "more_tests_to_10_percent": dict(inference.repeats),
