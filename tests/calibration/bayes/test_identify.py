@@ -10,7 +10,7 @@ from cases_inference import course_like, drawn, found_for, posterior_of, result_
 from warpwear import Study
 from warpwear.batches.plan import read_plan
 from warpwear.calibration.bayes.data import Data, MeasuredCourse, MeasuredValue
-from warpwear.calibration.bayes.identify import identify
+from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.report import write_report
 
 
@@ -163,6 +163,19 @@ def test_a_course_that_the_study_meets_is_calibrated(tmp_path: Path) -> None:
     write_report(inference, tmp_path)
     assert (tmp_path / "calibrated.toml").is_file()
     assert not (tmp_path / "fitted.toml").exists()
+
+
+@pytest.mark.parametrize("length", [20.0, 150.0, 600.0])
+def test_a_true_study_is_not_said_to_miss_its_course(length: float) -> None:
+    """Noise that goes together moves the level of a third: the verdict has the noise that was fitted."""
+    study, misses = smooth_study(), 0
+    truth = {"friction.shear_strength": 3.0, "noise.deviation": 0.03, "noise.length": length}
+    for seed in range(25):
+        data = drawn(study, truth, Data((course_like(study, points=60),)), seed)
+        posterior = posterior_of(study, {"friction.shear_strength": "log-uniform 2 .. 5 MPa"}, data)
+        values, _ = found_for(posterior, draws=4000)
+        misses += any("cannot bring" in line for line in conflicts_of(posterior, values))
+    assert misses == 0
 
 
 def test_what_one_test_tells_is_of_this_test() -> None:

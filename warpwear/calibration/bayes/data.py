@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from warpwear.calibration.friction import effective_points
 from warpwear.calibration.measurements import (
     KINDS,
     OFF,
@@ -82,22 +81,17 @@ class MeasuredCourse:
         return thirds if all(third.stop - third.start >= FEWEST for third in thirds) else []
 
     @cached_property
-    def scatter(self) -> tuple[float, float]:
-        """Standard deviation of points about straight lines through its thirds, and of the mean of a third.
+    def scatter(self) -> float:
+        """Standard deviation of points about straight lines through its thirds, infinite without these.
 
-        They are medians, for friction that runs in is no line at first. The latter allows for points that
-        scatter together. Without thirds both are infinite.
+        It is the median, for friction that runs in is no line at first.
         """
-        thirds = self.thirds
-        if not thirds:
-            return np.inf, np.inf
-        square, of_mean = [], []
-        for third in thirds:
+        square = []
+        for third in self.thirds:
             x = self.distance[third] - self.distance[third].mean()
             residual = self.cof[third] - np.polyval(np.polyfit(x, self.cof[third], 1), x)
             square.append(float(np.sum(residual**2)) / (x.size - 2))
-            of_mean.append(square[-1] / effective_points(residual))
-        return float(np.sqrt(np.median(square))), float(np.sqrt(np.median(of_mean)))
+        return float(np.sqrt(np.median(square or [np.inf])))
 
 
 @dataclass(frozen=True, eq=False)

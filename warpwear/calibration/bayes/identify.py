@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.calibration.bayes.data import MeasuredCourse
 from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.friction import OTHER_SHAPE, together
 from warpwear.calibration.measurements import KINDS
 from warpwear.ensembles.datum import CONTRADICTION
 from warpwear.figures.wording import listed
@@ -20,8 +22,6 @@ from warpwear.grid import FloatArray
 
 csgraph = lazy.module("scipy.sparse.csgraph")
 
-#: Part of the test over which residuals go together from where on the computed course has another shape.
-OTHER_SHAPE = 0.5
 #: Standard uncertainty of a measured coefficient of friction as a part of it, at least.
 COF_ERROR = 0.02
 #: Start of a sentence on measurements that the study misses.
@@ -239,10 +239,10 @@ def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dic
 def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dict[str, Any]]:
     """Return level, rise and shape of every measured course beside the computed ones, a row each.
 
-    They are combinations of the means over the thirds of its distance. Their uncertainty is that which the
-    points themselves show, and of a level at least that of a tribometer, or of repeats among each other.
+    They are combinations of the means over the thirds of its distance. Their uncertainty is that of the noise
+    that was fitted, and of a level at least that of a tribometer, or of repeats among each other.
     """
-    rows = []
+    rows, some = [], some_of(values, PLACES)
     for course in posterior.data.courses:
         if not course.thirds:
             continue
@@ -253,11 +253,10 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             name: np.stack([lines[..., third].mean(axis=-1) for third in course.thirds], axis=-1)
             for name, lines in kinds.items()
         }
-        level = float(means["measured"][0, -1])
+        level, noise = float(means["measured"][0, -1]), _noise_of(course, some)
         for what, weights in PARTS.items():
             measured, computed, emulated = (means[name] @ np.array(weights) for name in kinds)
-            size = float(np.hypot.reduce(weights))
-            error = size * float(np.hypot(course.scatter[1], COF_ERROR * abs(level)))
+            error = np.sqrt(weights @ noise @ weights + (COF_ERROR * level) ** 2 * np.dot(weights, weights))
             error = float(np.hypot(error, posterior.data.between)) if what == LEVEL else error
             variance = float(np.mean(np.sum(emulated**2, axis=-1)))
             deviation = float(np.sqrt(computed.var() + variance))
@@ -267,6 +266,13 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             given = {"measured": value, "error": error, "fitted": True}
             rows.append(row | {"off": off, "unit": ""} | given)
     return rows
+
+
+def _noise_of(course: MeasuredCourse, values: Mapping[str, FloatArray]) -> FloatArray:
+    """Return the covariance of means over thirds of a course by the noise that was fitted, (3, 3)."""
+    deviation, length = (values[f"noise.{name}"][:, None, None] for name in ("deviation", "length"))
+    covariance = np.mean(deviation**2 * together(course.distance, length), axis=0)
+    return np.array([[covariance[a, b].mean() for b in course.thirds] for a in course.thirds])
 
 
 def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:

@@ -117,7 +117,7 @@ def noise_for(data: Data, priors: Mapping[str, str | None]) -> list[Unknown]:
         return []
     spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
     longest = max(float(course.distance[-1]) for course in data.courses)
-    scatter = max(course.scatter[0] for course in data.courses)
+    scatter = max(course.scatter for course in data.courses)
     most = min(max(AT_LEAST, SCATTERS * scatter), LARGEST)
     apart = min(max(APART, SCATTERS * data.between), LARGEST)
     assumed = {
