@@ -12,6 +12,7 @@ from warpwear.batches.plan import read_plan
 from warpwear.calibration.bayes.data import Data, MeasuredCourse, MeasuredValue
 from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.report import write_report
+from warpwear.calibration.bayes.sampler import split_of, spread_of
 
 
 def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
@@ -187,6 +188,45 @@ def test_what_one_test_tells_is_of_this_test() -> None:
         inference = replace(inference, repeats={"wear.disc": 0})
         (line,) = (line for line in inference.sentences if "is known to" in line)
         assert ("of this test" in line) == (count == 1)
+
+
+def test_what_the_prior_decides_is_not_said_to_be_known() -> None:
+    """Nor how many more tests help: of what no datum tells, at a prior's end, in a study that misses its
+    data."""
+    counter, disc = (MeasuredValue(f"volume_{body}", 0.0244, 0.0005) for body in ("counter", "disc"))
+    scar = MeasuredValue("scar", 0.8, 0.02)
+    both: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
+    at_its_end = both | {"wear.disc": "uniform 1e-4 .. 1.25e-3 mm^3/N/m"}
+    for asked, data, told in (
+        (both, (counter,), {"wear.counter"}),
+        (both, (counter, disc), {"wear.counter", "wear.disc"}),
+        (at_its_end, (counter, disc), {"wear.counter"}),
+        (both, (counter, disc, scar), set()),
+    ):
+        inference = result_of(posterior_of(smooth_study(), asked, Data(values=data)))
+        inference = replace(inference, repeats=dict.fromkeys(both, 3))
+        assert set(inference.more_tests) == told
+        assert {key for key in both if f"{key} is known to" in str(inference)} == told
+
+
+def test_quantiles_are_told_where_few_samples_make_the_deviation() -> None:
+    """Four in a thousand samples made ± 49 %; groups that lie apart are named."""
+    random = np.random.default_rng(0)
+    near, far = 1.0 + 0.02 * random.standard_normal(3984), 8.0 + 0.1 * random.standard_normal(16)
+    middle, half, by_quantiles = spread_of(np.append(near, far))
+    assert (middle, half) == pytest.approx((1.0, 0.02), rel=0.06)
+    assert by_quantiles
+    assert split_of(np.append(far, near), 4000.0) == near.size
+    assert spread_of(near) == (near.mean(), near.std(), False)
+    assert spread_of(np.full(10, 0.1)) == (pytest.approx(0.1), 0.0, False)
+    alone = [split_of(random.standard_normal(4000), 4000.0) for _ in range(400)]
+    alone += [split_of(random.exponential(size=4000), 4000.0) for _ in range(400)]
+    assert len([one for one in alone if one is not None]) <= 8
+    data = Data(values=(MeasuredValue("volume_disc", 0.0244, 0.0005),))
+    inference = result_of(posterior_of(smooth_study(), {"wear.disc": None}, data))
+    inference = replace(inference, values={"wear.disc": np.append(near, far)})
+    assert "wear.disc has two groups of values: 0.4 % lie from 7." in str(inference)
+    assert "(median, 16 to 84 %)" in str(inference)
 
 
 def test_a_prior_that_holds_an_unknown_back_is_named() -> None:

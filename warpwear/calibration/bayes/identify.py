@@ -5,6 +5,7 @@ says it: a direction with an eigenvalue below one is known from the prior alone.
 move together cannot be told apart; what is known is the direction across.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.calibration.bayes.data import MeasuredCourse
 from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.sampler import spread_of
 from warpwear.calibration.friction import OTHER_SHAPE, together
 from warpwear.calibration.measurements import KINDS
 from warpwear.ensembles.datum import CONTRADICTION
@@ -177,7 +179,8 @@ def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, Float
     columns = [values[key] for key in group]
     if set(group) == {"wear.counter", "wear.disc"} and posterior.model.runs.scaled:
         total = np.sum(columns, axis=0)
-        return f"the sum {' + '.join(group)}, {total.mean():.3g} ± {total.std():.2g} mm³/(N·m)"
+        middle, half, _ = spread_of(total)
+        return f"the sum {' + '.join(group)}, {middle:.3g} ± {half:.2g} mm³/(N·m)"
     if min(float(column.min()) for column in columns) <= 0.0 or "friction.ploughing" in group:
         return "a combination of them"
     powers = _powers(columns)
@@ -185,7 +188,7 @@ def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, Float
     written = " · ".join(
         key if abs(p - 1.0) < 0.005 else f"{key}^{p:.2g}" for key, p in zip(group, powers, strict=True)
     )
-    return f"the product {written}, to ± {100.0 * float(np.std(total)):.2g} %"
+    return f"the product {written}, to ± {100.0 * spread_of(total)[1]:.2g} %"
 
 
 def _powers(columns: list[FloatArray]) -> FloatArray:
@@ -230,7 +233,8 @@ def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dic
         else:
             mean, variance = posterior.model.value(values, measured.kind)
         off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
-        numbers = {"mean": float(mean.mean()), "sd": float(np.sqrt(mean.var() + variance.mean())), "off": off}
+        numbers = {"mean": float(mean.mean()), "sd": math.hypot(spread_of(mean)[1], variance.mean() ** 0.5)}
+        numbers["off"] = off
         given = {"measured": measured.value, "error": measured.error, "fitted": True}
         rows.append({"what": measured.text, **numbers, "unit": measured.unit, **given})
     return rows + _friction_rows(posterior, values)
@@ -259,7 +263,7 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             error = np.sqrt(weights @ noise @ weights + (COF_ERROR * level) ** 2 * np.dot(weights, weights))
             error = float(np.hypot(error, posterior.data.between)) if what == LEVEL else error
             variance = float(np.mean(np.sum(emulated**2, axis=-1)))
-            deviation = float(np.sqrt(computed.var() + variance))
+            deviation = math.hypot(spread_of(computed)[1], variance**0.5)
             value, mean = float(measured[0]), float(computed.mean())
             off = abs(mean - value) / float(np.hypot(error, np.sqrt(variance)))
             row = {"what": f"{course.name}: {what} {value:.3g} ± {error:.2g}", "mean": mean, "sd": deviation}
