@@ -1,11 +1,14 @@
 """A measured fretting loop tells the coefficient of friction, the slip, and what the rig yields."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.calibration.measurements import Tests
 from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
@@ -17,6 +20,8 @@ from warpwear.measured.report import Report
 from warpwear.results.report import Row, times
 from warpwear.study.study import Study
 
+signal = lazy.module("scipy.signal")
+
 #: Part of the way from a tip to the other force over which unloading is taken as a straight line.
 STRAIGHT = 0.25
 #: Fewest points of a loop, and of the straight line behind each of its tips.
@@ -25,6 +30,12 @@ FEWEST, FEWEST_STRAIGHT = 20, 4
 PARTIAL = 0.2
 #: Energy over Q Δ up to which a line that is gone to and fro has one, by rounding.
 ROUNDING = 1.0e-9
+#: Numbers that have errors.
+ERRORS = ("coefficient", "force", "slip", "energy", "compliance")
+#: Part of the points that half of a window has at most.
+SMOOTH = 60
+#: Loops with the scatter of their points once more, from which come the errors.
+COPIES = 100
 #: Key of a test -> option.
 KEYS = {"loop": "tests", "load": "load"}
 
@@ -36,7 +47,7 @@ class LoopCalibration(Report):
     Attributes
     ----------
     force, load : float
-        Largest friction force, and normal load [N].
+        Friction force at the tips, and normal load [N].
     slip, travel : float
         Width of the loop at no force, and what the drive moves to and fro [mm].
     energy : float
@@ -47,6 +58,8 @@ class LoopCalibration(Report):
         Points of the cycle.
     source : str
         The file.
+    errors : dict
+        Standard uncertainties of these numbers by their names, from the scatter of the points.
     """
 
     source: str
@@ -58,10 +71,11 @@ class LoopCalibration(Report):
     energy: float
     compliance: float
     contact: float | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def energy_ratio(self) -> float:
-        """Return the energy over 4 Q Δ of the largest force and displacement."""
+        """Return the energy over 4 Q Δ of force and displacement of the tips."""
         return self.energy / (2.0 * self.force * self.travel)
 
     @property
@@ -79,41 +93,61 @@ class LoopCalibration(Report):
         """Declare the coefficient of friction. Raises InputError for partial slip, which tells none."""
         if self.coefficient is None:
             raise InputError(f"{self.source} is a loop of partial slip, which tells no coefficient")
-        return Row("coefficient", "coefficient", self.coefficient)
+        return Row("coefficient", "coefficient", self.coefficient, error=self.errors.get("coefficient"))
 
     def _title(self) -> str:
         return f"one cycle of {self.points} points"
 
     def __repr__(self) -> str:
         least, slip = self.force / self.load, 1e3 * self.slip
-        return f"<fretting loop: slip {slip:.4g} µm, largest force over the load {least:.3g}>"
+        return f"<fretting loop: slip {slip:.4g} µm, force of the tips over the load {least:.3g}>"
 
     def _rows(self) -> list[Row]:
         partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
         least, ratio = self.force / self.load, self.energy_ratio
         behind, contact, rig = (times(1e3, c) for c in (self.compliance, self.contact, self.rig))
+
+        def error(name: str, factor: float = 1.0) -> float | None:
+            return times(factor, self.errors.get(name))
+
+        drive, um = "sliding.stroke with stroke_of = 'body'", 1e3
         rows = [
             Row("source", "source", self.source),
             Row("load F", "load_N", self.load),
             Row("", "points", self.points),
-            Row("coefficient", "coefficient", self.coefficient),
-            Row("least coefficient", "coefficient_least", least, note="the largest force over the load"),
-            Row("force", "force_N", self.force),
-            Row("slip", "stroke_um", 1e3 * self.slip, note="width at no force: sliding.stroke"),
+            Row("coefficient", "coefficient", self.coefficient, error=error("coefficient")),
             Row(
-                "travel of drive",
-                "travel_um",
-                1e3 * self.travel,
-                note="sliding.stroke with stroke_of = 'body'",
+                "least coefficient",
+                "coefficient_least",
+                least,
+                note="the force of the tips over the load",
+                error=error("force", 1.0 / self.load),
             ),
-            Row("energy", "energy_mJ", self.energy, unit="mJ"),
+            Row("force", "force_N", self.force, error=error("force")),
+            Row(
+                "slip",
+                "stroke_um",
+                um * self.slip,
+                note="width at no force: sliding.stroke",
+                error=error("slip", um),
+            ),
+            Row("travel of drive", "travel_um", um * self.travel, note=drive),
+            Row("energy", "energy_mJ", self.energy, unit="mJ", error=error("energy")),
             Row("energy over 4QΔ", "energy_ratio", ratio, note=partial),
-            Row("behind the tips", "compliance_um_per_N", behind, unit="µm/N", note="yields in all"),
+            Row(
+                "behind the tips",
+                "compliance_um_per_N",
+                behind,
+                unit="µm/N",
+                note="yields in all",
+                error=("compliance_um_per_N_error", error("compliance", um)),
+            ),
         ]
         if contact is not None:
             note = "(Mindlin, unworn)"
             rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
-            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
+            beside = "rig_compliance_um_per_N_error", error("compliance", um)
+            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N", error=beside))
         keys = f'[sliding] force = "{self.force:.4g} N"'
         if self.coefficient is not None:
             law = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}'
@@ -162,7 +196,7 @@ def calibrate_loop(
     >>> rows, names = np.column_stack([20.0 * np.cos(angle), force]), "Displacement [um],Friction force [N]"
     >>> np.savetxt("loop.csv", rows, delimiter=",", header=names, comments="")
     >>> warpwear.calibrate_loop("loop.csv", load="20 N")
-    <fretting loop: slip ... µm, largest force over the load 0.6>
+    <fretting loop: slip ... µm, force of the tips over the load 0.6>
     """
     if study is not None and load is not None:
         raise InputError("--load and --study exclude each other: the study has its load")
@@ -173,7 +207,24 @@ def calibrate_loop(
         return each_test(calibrate_loop, tests, KEYS, {"load": load, "study": known})
     place, friction = _read(Path(tests))
     normal = Options(load=load).load if known is None else known.contact.load
-    return _of_loop(place, friction, source=str(tests), load=normal, contact=_of_contact(known))
+    about = {"source": str(tests), "load": normal, "contact": _of_contact(known)}
+    loop, random = _of_loop(place, friction, **about), np.random.default_rng(0)
+    copies: list[LoopCalibration] = []
+    for _ in range(COPIES):
+        with suppress(InputError):
+            copies.append(
+                _of_loop(
+                    *(v + _scatter(v) * random.standard_normal(v.size) for v in (place, friction)), **about
+                )
+            )
+    known_of = [name for name in ERRORS if all(getattr(copy, name) is not None for copy in copies)]
+    errors = {name: float(np.std([getattr(copy, name) for copy in copies])) for name in known_of if copies}
+    return replace(loop, errors=errors)
+
+
+def _scatter(values: FloatArray) -> float:
+    """Return the deviation of points about a smooth course, by the middle one of their second differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / 6.0**0.5)
 
 
 def _read(file: Path) -> tuple[FloatArray, FloatArray]:
@@ -198,15 +249,15 @@ def _of_loop(place: FloatArray, force: FloatArray, **more: Any) -> LoopCalibrati
     """Measure a loop. more: other fields of the result. Raises InputError for one without an area."""
     following = np.roll(place, -1) - place
     energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * following)))
-    tip, most = float(place.max()), float(force.max())
     crossings = _at_no_force(place, force)
-    if energy <= ROUNDING * most * tip or crossings.size < 2:
+    if energy <= ROUNDING * force.max() * place.max() or crossings.size < 2:
         raise InputError("the loop does not enclose an area about no force: a whole cycle is needed")
+    sides = crossings > 0.5 * (crossings.min() + crossings.max())  # of noisy points each is crossed often
     return LoopCalibration(
         points=int(place.size),
-        force=most,
-        slip=float(np.ptp(crossings)),
-        travel=2.0 * tip,
+        force=_at_tips(place, force),
+        slip=float(crossings[sides].mean() - crossings[~sides].mean()),
+        travel=float(np.ptp(place)),
         energy=energy,
         compliance=_compliance(place, force),
         **more,
@@ -221,13 +272,36 @@ def _at_no_force(place: FloatArray, force: FloatArray) -> FloatArray:
     return np.asarray(place[crosses] + part * (there[crosses] - place[crosses]))
 
 
+def _from_tips(place: FloatArray, force: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, int]]:
+    """Give displacement and force, towards the tip positive, from either tip on around the loop.
+
+    A tip is where both are largest, smoothed over a window as far as they scatter, which is the third.
+    """
+    both = place / np.ptp(place) + force / np.ptp(force)
+    steps = 2.0 * _scatter(both) / float(np.mean(np.abs(np.diff(both))))
+    window = 2 * min(int(steps), place.size // SMOOTH) + 1
+    smooth = signal.savgol_filter(both, window, 2, mode="wrap") if window > 2 else both
+    for sign in (1.0, -1.0):
+        start = int(np.argmax(sign * smooth))
+        yield np.roll(sign * place, -start), np.roll(sign * force, -start), window
+
+
+def _at_tips(place: FloatArray, force: FloatArray) -> float:
+    """Return the force at the tips by parabolas through the points that lead to them, the mean of both."""
+    ends = []
+    for *both, window in _from_tips(place, force):
+        x, q = (np.roll(values[::-1], 1) for values in both)  # back from the tip
+        tip = float(x[:window].mean())
+        steps = max(int(np.argmax(x < (1.0 - STRAIGHT) * tip)), FEWEST_STRAIGHT)
+        powers = (x[:steps, None] / tip - 1.0) ** np.arange(3)
+        ends.append(np.linalg.lstsq(powers, q[:steps], rcond=None)[0][0])
+    return float(np.mean(ends))
+
+
 def _compliance(place: FloatArray, force: FloatArray) -> float:
     """Return the compliance [mm/N] as unloading begins, the mean of both tips. Raises InputError."""
     slopes = []
-    for sign in (1.0, -1.0):
-        x, q = sign * place, sign * force
-        start = int(np.argmax(x))
-        x, q = np.roll(x, -start), np.roll(q, -start)
+    for x, q, _ in _from_tips(place, force):
         steps = int(np.argmax(q < (1.0 - 2.0 * STRAIGHT) * q.max()))
         if steps < FEWEST_STRAIGHT:
             raise InputError(f"{steps} points lie behind a tip of the loop: {FEWEST_STRAIGHT} are needed")

@@ -138,7 +138,9 @@ def energy(**options: Any) -> None:
 @LOAD
 @AS_JSON
 def loop(**options: Any) -> None:
-    """Find μ, the slip and the rig's compliance from a cycle of fretting: FILE has displacement and force.
+    """Find μ, the slip and the rig's compliance from a cycle of fretting: FILE has two columns.
+
+    They are called displacement and friction force, with their units.
 
     Or it is a TOML file with tables [[test]], each with such a file, loop, and its load.
 
