@@ -190,6 +190,15 @@ def test_an_exact_curve_gives_its_parameters_back():
     assert found.doubts == ()
 
 
+def test_a_groove_is_as_long_as_its_circle():
+    """A section, and a length of 2πR."""
+    test = {"section": "812.8 um^2", "load": "8 N", "distance": "2400 mm"}
+    by_radius = warpwear.calibrate_wear([test | {"track_radius": "3 mm"}])
+    assert by_radius.volumes[0].volume == pytest.approx(812.8e-6 * 6.0 * math.pi)
+    with pytest.raises(InputError, match=r"needs test\.1\.length, .* or track_radius"):
+        warpwear.calibrate_wear([test])
+
+
 def test_fit_agrees_with_a_general_least_squares_solver():
     cof = curve(noise=0.02)
     found = fitted(cof)

@@ -62,7 +62,7 @@ def test_answers_are_beside_the_first_with_their_scatter() -> None:
     assert table["names"] == ["two", "one"]
     runs, (_, (two, one)) = table["rows"]
     assert runs == ("runs", [{"text": "2"}, {"text": "1"}])
-    assert two == {"text": "0.5 ± 0.14", "notes": ["5 to 95 %: 0.4 to 0.6"], "is_input": False}
+    assert two == {"text": "0.5 ± 0.14", "notes": ["least to most: 0.4 to 0.6"], "is_input": False}
     assert one == {"text": "0.25", "notes": ["−50 %"], "is_input": True}
 
 

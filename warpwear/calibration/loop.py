@@ -30,8 +30,11 @@ FEWEST, FEWEST_STRAIGHT = 20, 4
 PARTIAL = 0.2
 #: Energy over Q Δ up to which a line that is gone to and fro has one, by rounding.
 ROUNDING = 1.0e-9
-#: Numbers that have errors.
-ERRORS = ("coefficient", "force", "slip", "energy", "compliance")
+#: Numbers that have errors -> what these are multiplied with for people.
+ERRORS = {"coefficient": 1.0, "force": 1.0, "slip": 1e3, "energy": 1.0, "compliance": 1e3}
+#: Key of a row -> number whose error it has.
+ERRORS_OF = {"coefficient": "coefficient", "force_N": "force", "stroke_um": "slip", "energy_mJ": "energy"}
+ERRORS_OF |= dict.fromkeys(("compliance_um_per_N", "rig_compliance_um_per_N"), "compliance")
 #: Part of the points that half of a window has at most.
 SMOOTH = 60
 #: Loops with the scatter of their points once more, from which come the errors.
@@ -106,48 +109,32 @@ class LoopCalibration(Report):
         partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
         least, ratio = self.force / self.load, self.energy_ratio
         behind, contact, rig = (times(1e3, c) for c in (self.compliance, self.contact, self.rig))
-
-        def error(name: str, factor: float = 1.0) -> float | None:
-            return times(factor, self.errors.get(name))
-
-        drive, um = "sliding.stroke with stroke_of = 'body'", 1e3
         rows = [
             Row("source", "source", self.source),
             Row("load F", "load_N", self.load),
             Row("", "points", self.points),
-            Row("coefficient", "coefficient", self.coefficient, error=error("coefficient")),
+            Row("coefficient", "coefficient", self.coefficient),
+            Row("least coefficient", "coefficient_least", least, note="the force of the tips over the load"),
+            Row("force", "force_N", self.force),
+            Row("slip", "stroke_um", 1e3 * self.slip, note="width at no force: sliding.stroke"),
             Row(
-                "least coefficient",
-                "coefficient_least",
-                least,
-                note="the force of the tips over the load",
-                error=error("force", 1.0 / self.load),
+                "travel of drive",
+                "travel_um",
+                1e3 * self.travel,
+                note="sliding.stroke with stroke_of = 'body'",
             ),
-            Row("force", "force_N", self.force, error=error("force")),
-            Row(
-                "slip",
-                "stroke_um",
-                um * self.slip,
-                note="width at no force: sliding.stroke",
-                error=error("slip", um),
-            ),
-            Row("travel of drive", "travel_um", um * self.travel, note=drive),
-            Row("energy", "energy_mJ", self.energy, unit="mJ", error=error("energy")),
+            Row("energy", "energy_mJ", self.energy, unit="mJ"),
             Row("energy over 4QΔ", "energy_ratio", ratio, note=partial),
-            Row(
-                "behind the tips",
-                "compliance_um_per_N",
-                behind,
-                unit="µm/N",
-                note="yields in all",
-                error=("compliance_um_per_N_error", error("compliance", um)),
-            ),
+            Row("behind the tips", "compliance_um_per_N", behind, unit="µm/N", note="yields in all"),
         ]
         if contact is not None:
             note = "(Mindlin, unworn)"
             rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
-            beside = "rig_compliance_um_per_N_error", error("compliance", um)
-            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N", error=beside))
+            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
+        factors = {name: times(factor, self.errors.get(name)) for name, factor in ERRORS.items()}
+        errors = {key: factors[name] for key, name in ERRORS_OF.items()}
+        errors["coefficient_least"] = times(1.0 / self.load, factors["force"])
+        rows = [replace(row, error=errors.get(row.key)) for row in rows]
         keys = f'[sliding] force = "{self.force:.4g} N"'
         if self.coefficient is not None:
             law = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}'

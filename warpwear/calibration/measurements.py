@@ -130,6 +130,11 @@ class MeasuredTest(Section):
     )
     ball: File = key(None, "file of the topography of the worn ball", is_file=True)
 
+    @property
+    def track_length(self) -> float | None:
+        """Return the length of the whole track [mm], of a circle 2πR; None where neither is known."""
+        return self.length or (self.track_radius and 2.0 * math.pi * self.track_radius)
+
 
 Tests: TypeAlias = str | Path | Sequence[Mapping[str, Any]]
 #: Keys that name a file.

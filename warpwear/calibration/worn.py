@@ -36,8 +36,12 @@ SOURCES = {
     "volume_disc": Source("a measured volume", "disc"),
     "scar": Source("diameter of the worn patch; flat cap", "counter", needs=("radius",)),
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
-    "section": Source("cross-section of a groove × length", "disc", needs=("length",)),
-    "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
+    "section": Source(
+        "cross-section of a groove × length", "disc", needs=("length",), may_have=("track_radius",)
+    ),
+    "profile": Source(
+        _TRACK, "disc", needs=("length",), may_have=("track_width", "track_radius"), file="track"
+    ),
     "after": Source(
         "topographies of the scar's place before and after; net volume lost", "disc", file="scar"
     ),
@@ -63,7 +67,7 @@ def worn_volume(
     _check(test, source, named, preparation)
     if kind.file is not None:
         return _of_file(kind.file, value, test, preparation)
-    (size, error), needed = size_and_error(value), {name: getattr(test, name) for name in kind.needs}
+    (size, error), needed = size_and_error(value), {name: _needed(test, name) for name in kind.needs}
     match source:
         case "scar":
             known = any(each.error is not None for each in value)
@@ -75,12 +79,21 @@ def worn_volume(
     return volumes.volume_given(size, error=error)
 
 
+def _needed(test: MeasuredTest, name: str) -> Any:
+    """Return a length that a source needs."""
+    return test.track_length if name == "length" else getattr(test, name)
+
+
 def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation) -> None:
     """Raise InputError for keys of a test, or a preparation, that do not go with what was measured."""
     kind, label = SOURCES[source], f"{named}.{source}"
     for name in kind.needs:
-        if getattr(test, name) is None:
-            which = "that of the whole track, such as '30 mm'" if name == "length" else "such as '3 mm'"
+        if _needed(test, name) is None:
+            which = (
+                "that of the whole track, such as '30 mm', or track_radius"
+                if name == "length"
+                else "such as '3 mm'"
+            )
             raise InputError(f"{label} needs {named}.{name}, {which}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
     if kind.file is None and prepared:
@@ -101,7 +114,7 @@ def _of_file(kind: Kind, file: Any, test: MeasuredTest, preparation: Preparation
     worn = worn_in(Path(file), kind, preparation, before=before, **sizes)
     body, depth, more = worn.body, worn.body.depth, ""
     if kind == "track":
-        length = test.length or 0.0
+        length = test.track_length or 0.0
         if length < body.length * (1.0 - 1e-9):
             raise InputError(
                 f"length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"

@@ -25,8 +25,12 @@ SOURCES = together(
     repeated("--volume", "V", "A worn volume, e.g. '0.018 mm^3' or '0.018 +- 0.001 mm^3'."),
     repeated("--scar", "D", "Diameter of a flat scar on a ball. Needs --radius."),
     repeated("--width", "D", "Width of a circular track. Needs --radius and --track-radius."),
-    repeated("--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
-    repeated("--track", "FILE", "Topography of a worn track, or profile of it. Needs --length.", type=PATH),
+    repeated(
+        "--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length or --track-radius."
+    ),
+    repeated(
+        "--track", "FILE", "Topography of a worn track, or profile of it. Needs a length, too.", type=PATH
+    ),
     repeated("--after", "FILE", "Topography of a disc's scar. Needs --before.", type=PATH),
     repeated("--before", "FILE", "--track, --after: the same place before the test, one a test.", type=PATH),
     repeated("--ball", "FILE", "Topography of a worn ball, with or without --radius.", type=PATH),

@@ -11,6 +11,7 @@ from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
+from warpwear.results.ensemble import band_name
 from warpwear.sweeps.figures import figures_of
 from warpwear.sweeps.page import MOST_FAILURES, failures, page
 from warpwear.sweeps.table import TABLES, SweepResult, SweepRow
@@ -90,7 +91,8 @@ def _end_of(group: Group[SweepRow]) -> str:
     mean, low, high = group.band("cof")
     if not np.isfinite(mean):
         return "no coefficient of friction"
-    return f"cof at the end {mean:.4g}" + f"   5–95 %: {low:.4g} – {high:.4g}" * (len(group.rows) > 1)
+    name = band_name(len(group.numbers("cof")))
+    return f"cof at the end {mean:.4g}" + f"   {name}: {low:.4g} – {high:.4g}" * (len(group.rows) > 1)
 
 
 def failed_sentence(result: SweepResult) -> str | None:

@@ -1,5 +1,7 @@
 """What data and priors are made into: repeats, thinned courses, quantiles."""
 
+import math
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,7 +9,7 @@ import numpy as np
 import pytest
 from cases_inference import course_like, posterior_of, smooth_study
 
-from warpwear import InputError
+from warpwear import InputError, Study
 from warpwear.calibration.bayes.data import Data, MeasuredValue, data_of
 from warpwear.calibration.bayes.infer import check_priors
 from warpwear.calibration.bayes.unknowns import unknowns_of
@@ -76,6 +78,25 @@ def test_priors_that_exclude_the_data_are_refused() -> None:
     posterior = posterior_of(smooth_study(), {"friction.shear_strength": "uniform 2 .. 3 MPa"}, course)
     with pytest.raises(InputError, match="the priors exclude the data"):
         check_priors(posterior, seed=0)
+
+
+def test_a_shear_strength_of_a_coefficient_has_a_prior_by_itself() -> None:
+    """From what all of the field would need to five times that of the hardness."""
+    study = smooth_study(**{"friction.coefficient": "0.6", "friction.calibrate": "end"})
+    sections = tomllib.loads(study.to_toml())
+    del sections["friction"]["shear_strength"]
+    study = Study(**sections)
+    assert study.friction.shear_strength is None
+    (unknown,) = unknowns_of(study, {"friction.shear_strength": None})
+    assert unknown.assumed
+    assert unknown.prior.first == pytest.approx(0.6 * 8.0 / math.prod(study.grid.sides), rel=0.01)
+    assert unknown.prior.second == pytest.approx(5.0 * 590.0 / 27.0**0.5, rel=0.01)
+
+
+def test_a_section_of_a_rotating_disc_goes_around_its_circle() -> None:
+    study = Study.load("track").replace({"sliding.stroke": None, "sliding.track_radius": "3 mm"})
+    (value,) = data_of(study, [{"section": "812 +- 30 um^2"}]).values
+    assert (value.kind, value.value) == ("section", pytest.approx(812e-6))
 
 
 def test_a_coefficient_without_a_unit_has_a_prior_about_its_k() -> None:

@@ -193,8 +193,9 @@ def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measur
     if kind == "scar" and value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
         larger = "the scar is larger than the field of the study"
         raise InputError(f"{label}: {larger}, {study.grid.size} (grid.extent)")
-    if kind == "section" and study.sliding.stroke is None:
-        raise InputError(f"{label} needs sliding.stroke in the study: section × stroke is the disc's volume")
+    if kind == "section" and study.sliding.lap is None:
+        keys = "sliding.stroke or sliding.track_radius"
+        raise InputError(f"{label} needs {keys} in the study: section × that length is the disc's volume")
     if not PARTS[0] <= (part := (error or 0.0) / value) <= PARTS[1]:
         raise InputError(
             f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {PARTS[0]:g} to "
