@@ -1,7 +1,6 @@
 """What data and priors are made into: repeats, thinned courses, quantiles."""
 
 import math
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +9,8 @@ import pytest
 from cases_inference import course_like, posterior_of, smooth_study
 
 from warpwear import InputError, Study
+from warpwear.batches.batch import LOG
+from warpwear.calibration.bayes.command import telling
 from warpwear.calibration.bayes.data import Data, MeasuredValue, data_of
 from warpwear.calibration.bayes.infer import check_priors
 from warpwear.calibration.bayes.unknowns import unknowns_of
@@ -82,15 +83,24 @@ def test_priors_that_exclude_the_data_are_refused() -> None:
 
 def test_a_shear_strength_of_a_coefficient_has_a_prior_by_itself() -> None:
     """From what all of the field would need to five times that of the hardness."""
-    study = smooth_study(**{"friction.coefficient": "0.6", "friction.calibrate": "end"})
-    sections = tomllib.loads(study.to_toml())
-    del sections["friction"]["shear_strength"]
-    study = Study(**sections)
+    study = smooth_study().replace({"friction.coefficient": 0.6, "friction.shear_strength": None})
     assert study.friction.shear_strength is None
     (unknown,) = unknowns_of(study, {"friction.shear_strength": None})
     assert unknown.assumed
     assert unknown.prior.first == pytest.approx(0.6 * 8.0 / math.prod(study.grid.sides), rel=0.01)
     assert unknown.prior.second == pytest.approx(5.0 * 590.0 / 27.0**0.5, rel=0.01)
+
+
+def test_an_inference_says_how_far_it_is_and_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(KeyboardInterrupt), telling(tmp_path):
+        LOG.info("1 of 32 runs, the last done; 2 s gone, about 62 s left")
+        raise KeyboardInterrupt
+    assert capsys.readouterr().err.splitlines() == [
+        "1 of 32 runs, the last done; 2 s gone, about 62 s left",
+        "the same command goes on from here",
+    ]
 
 
 def test_a_section_of_a_rotating_disc_goes_around_its_circle() -> None:
