@@ -183,7 +183,7 @@ def _errors(where: FloatArray, design: FloatArray, measured: FloatArray) -> tupl
     triangles = np.linalg.qr(np.linalg.solve(roots, table[:, 1:]), mode="r")
     sizes = np.log(np.abs(np.diagonal(triangles, axis1=1, axis2=2)) + 1e-300)
     likely = -np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1) - sizes[:, :unknowns].sum(axis=1)
-    best = np.argmax(likely - (count - unknowns) * sizes[:, unknowns])
+    best = int(np.argmax(likely - (count - unknowns) * sizes[:, unknowns]))
     left = roots[best] - design @ (inverse := np.linalg.pinv(design)) @ roots[best]
     freedom = (left**2).sum() ** 2 / ((left.T @ left) ** 2).sum()
     spread = inverse @ roots[best] * triangles[best, -1, -1] * special.stdtrit(freedom, BELOW)

@@ -35,6 +35,8 @@ ERRORS = {"coefficient": 1.0, "force": 1.0, "slip": 1e3, "energy": 1.0, "complia
 #: Key of a row -> number whose error it has.
 ERRORS_OF = {"coefficient": "coefficient", "force_N": "force", "stroke_um": "slip", "energy_mJ": "energy"}
 ERRORS_OF |= dict.fromkeys(("compliance_um_per_N", "rig_compliance_um_per_N"), "compliance")
+#: Error as a part of a number up to which it is that of written digits.
+EXACT = 1e-6
 #: Part of the points that half of a window has at most.
 SMOOTH = 60
 #: Loops with the scatter of their points once more, from which come the errors.
@@ -194,7 +196,7 @@ def calibrate_loop(
         return each_test(calibrate_loop, tests, KEYS, {"load": load, "study": known})
     place, friction = _read(Path(tests))
     normal = Options(load=load).load if known is None else known.contact.load
-    about = {"source": str(tests), "load": normal, "contact": _of_contact(known)}
+    about: Any = {"source": str(tests), "load": normal, "contact": _of_contact(known)}
     loop, random = _of_loop(place, friction, **about), np.random.default_rng(0)
     copies: list[LoopCalibration] = []
     for _ in range(COPIES):
@@ -206,7 +208,8 @@ def calibrate_loop(
             )
     known_of = [name for name in ERRORS if all(getattr(copy, name) is not None for copy in copies)]
     errors = {name: float(np.std([getattr(copy, name) for copy in copies])) for name in known_of if copies}
-    return replace(loop, errors=errors)
+    told = {name: error for name, error in errors.items() if error > EXACT * abs(getattr(loop, name) or 0.0)}
+    return replace(loop, errors=told)
 
 
 def _scatter(values: FloatArray) -> float:
@@ -274,14 +277,14 @@ def _from_tips(place: FloatArray, force: FloatArray) -> Iterator[tuple[FloatArra
 
 
 def _at_tips(place: FloatArray, force: FloatArray) -> float:
-    """Return the force at the tips by parabolas through the points that lead to them, the mean of both."""
+    """Return the force at the tips by straight lines through what leads to them, the mean of both.
+
+    What chose the tip is left out: it is the largest by its scatter, too.
+    """
     ends = []
-    for *both, window in _from_tips(place, force):
-        x, q = (np.roll(values[::-1], 1) for values in both)  # back from the tip
-        tip = float(x[:window].mean())
-        steps = max(int(np.argmax(x < (1.0 - STRAIGHT) * tip)), FEWEST_STRAIGHT)
-        powers = (x[:steps, None] / tip - 1.0) ** np.arange(3)
-        ends.append(np.linalg.lstsq(powers, q[:steps], rcond=None)[0][0])
+    for _, q, window in _from_tips(place, force):
+        back = window // 2 + np.arange(2 * window)
+        ends.append(np.polyfit(back, np.roll(q[::-1], 1)[back], 1)[1])
     return float(np.mean(ends))
 
 

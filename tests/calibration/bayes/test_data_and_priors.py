@@ -83,7 +83,9 @@ def test_priors_that_exclude_the_data_are_refused() -> None:
 
 def test_a_shear_strength_of_a_coefficient_has_a_prior_by_itself() -> None:
     """From what all of the field would need to five times that of the hardness."""
-    study = smooth_study().replace({"friction.coefficient": 0.6, "friction.shear_strength": None})
+    study = smooth_study().replace(
+        {"friction.coefficient": 0.6, "friction.shear_strength": None, "contact.hardness": "590 MPa"}
+    )
     assert study.friction.shear_strength is None
     (unknown,) = unknowns_of(study, {"friction.shear_strength": None})
     assert unknown.assumed
@@ -94,9 +96,13 @@ def test_a_shear_strength_of_a_coefficient_has_a_prior_by_itself() -> None:
 def test_an_inference_says_how_far_it_is_and_goes_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(KeyboardInterrupt), telling(tmp_path):
-        LOG.info("1 of 32 runs, the last done; 2 s gone, about 62 s left")
-        raise KeyboardInterrupt
+    def interrupted() -> None:
+        with telling(tmp_path):
+            LOG.info("1 of 32 runs, the last done; 2 s gone, about 62 s left")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert capsys.readouterr().err.splitlines() == [
         "1 of 32 runs, the last done; 2 s gone, about 62 s left",
         "the same command goes on from here",

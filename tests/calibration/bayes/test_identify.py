@@ -224,6 +224,8 @@ def test_quantiles_are_told_where_few_samples_make_the_deviation() -> None:
     assert len([one for one in alone if one is not None]) <= 8
     data = Data(values=(MeasuredValue("volume_disc", 0.0244, 0.0005),))
     inference = result_of(posterior_of(smooth_study(), {"wear.disc": None}, data))
+    assert 0.995 < inference.table[0]["learnt"] < 1.0
+    assert "over 99 %" in str(inference)
     inference = replace(inference, values={"wear.disc": np.append(near, far)})
     assert "wear.disc has two groups of values: 0.4 % lie from 7." in str(inference)
     assert "(median, 16 to 84 %)" in str(inference)
