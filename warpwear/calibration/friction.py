@@ -180,7 +180,7 @@ def _errors(where: FloatArray, design: FloatArray, measured: FloatArray) -> tupl
     alone = np.array(ALONE)[:, None, None, None]
     noise = (1.0 - alone) * together(where, lengths[:, None, None]) + alone * np.eye(count)
     roots = np.linalg.cholesky(noise.reshape(-1, count, count))
-    triangles = np.linalg.qr(np.linalg.solve(roots, table[:, 1:]), mode="r")
+    triangles = np.asarray(np.linalg.qr(np.linalg.solve(roots, table[:, 1:]), mode="r"))
     sizes = np.log(np.abs(np.diagonal(triangles, axis1=1, axis2=2)) + 1e-300)
     likely = -np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1) - sizes[:, :unknowns].sum(axis=1)
     best = int(np.argmax(likely - (count - unknowns) * sizes[:, unknowns]))
