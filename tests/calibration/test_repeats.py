@@ -199,7 +199,7 @@ def test_agreement_that_was_fitted_does_not_count() -> None:
         ([{"load": "5 N"}], {}, "nothing was measured"),
         ([{"volume_disc": "0.02 mm^3"}], {}, "test.1.volume_disc needs a load and a distance"),
         (
-            [{**VOLUMES[0], "section": "800 um^2", "length": "30 mm"}],
+            [{**VOLUMES[0], "section": "800 um^2", "track_length": "30 mm"}],
             {},
             "of a body whose wear is given already",
         ),

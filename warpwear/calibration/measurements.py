@@ -102,7 +102,7 @@ class MeasuredTest(Section):
     distance: Distance = key(None, "sliding distance")
     radius: Length | None = key(None, "radius of the ball")
     track_radius: Length | None = key(None, "radius of the circle that the track runs on")
-    length: Length | None = key(None, "length of the whole track")
+    track_length: Length | None = key(None, "length of the whole track")
     stroke: Distance = key(None, "length of one stroke, where a record has no position, for `repeats`")
     speed: Speed = key(None, "sliding speed, where a record has a time alone, for `repeats`")
     track_width: Length | None = key(
@@ -173,7 +173,7 @@ def checked_tests(tests: Tests, **alike: Any) -> dict[str, MeasuredTest]:
 def check_conditions(test: MeasuredTest, named: str, study: Study) -> None:
     """Raise InputError for a test that is not the study's own."""
     own = tests_of([conditions_of(study)])[0]
-    for name in ("load", "distance", "radius", "length", "track_radius"):
+    for name in ("load", "distance", "radius", "track_length", "track_radius"):
         here, there = getattr(test, name), getattr(own, name)
         if isinstance(here, Value):
             if here.error is not None:
@@ -186,7 +186,7 @@ def check_conditions(test: MeasuredTest, named: str, study: Study) -> None:
 def conditions_of(study: Study) -> dict[str, Any]:
     """Return what a study says of a test, as a table of it has it: load, distance and lengths."""
     sliding, load = study.sliding, study.contact.load
-    lengths = {"radius": study.counter.nominal_radius, "length": sliding.stroke}
+    lengths = {"radius": study.counter.nominal_radius, "track_length": sliding.stroke}
     lengths["track_radius"] = sliding.track_radius
     known = {name: (size, "mm") for name, size in lengths.items() if size and math.isfinite(size)}
     return {"load": Value(load), "distance": Value(sliding.total)} | known

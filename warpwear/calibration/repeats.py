@@ -180,8 +180,8 @@ def repeats(
     ----------
     tests : list of path or dict, or path
         Records of friction, TOML files with a list ``[[test]]``, or tables as of that list, such as
-        ``{"record": "test-1.csv", "profile": "track-1.txt", "length": "30 mm", "load": "5 N"}``: the keys are
-        those that docs/reference/keys.md explains. Entries with one ``name`` are places of one test.
+        ``{"record": "test-1.csv", "profile": "track-1.txt", "track_length": "30 mm", "load": "5 N"}``: the
+        keys are those that docs/reference/keys.md explains. Entries with one ``name`` are places of one test.
     than : list of path or dict, or path, optional
         Tests of another pair, to which differences are told.
     at : dict, optional

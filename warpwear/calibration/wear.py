@@ -108,15 +108,15 @@ def circular_track(
     )
 
 
-def groove(section: float, *, length: float, error: float | None = None) -> WornVolume:
-    """Find the volume of a straight groove: section [mm²] × length [mm] (ASTM G133: mean section × stroke).
+def groove(section: float, *, track_length: float, error: float | None = None) -> WornVolume:
+    """Find the volume of a straight groove, section [mm²] × length [mm] (ASTM G133: mean section × stroke).
 
     error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
     """
     return WornVolume(
-        volume=section * length,
-        **_uncertainty(error, length),
-        measured=f"section {1e6 * section:.6g} µm² × {length:g} mm",
+        volume=section * track_length,
+        **_uncertainty(error, track_length),
+        measured=f"section {1e6 * section:.6g} µm² × {track_length:g} mm",
     )
 
 

@@ -36,8 +36,8 @@ SOURCES = {
     "volume_disc": Source("a measured volume", "disc"),
     "scar": Source("diameter of the worn patch; flat cap", "counter", needs=("radius",)),
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
-    "section": Source("cross-section of a groove × length", "disc", needs=("length",)),
-    "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
+    "section": Source("cross-section of a groove × length", "disc", needs=("track_length",)),
+    "profile": Source(_TRACK, "disc", needs=("track_length",), may_have=("track_width",), file="track"),
     "after": Source(
         "topographies of the scar's place before and after; net volume lost", "disc", file="scar"
     ),
@@ -80,7 +80,7 @@ def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation
     kind, label = SOURCES[source], f"{named}.{source}"
     for name in kind.needs:
         if getattr(test, name) is None:
-            which = "that of the whole track, such as '30 mm'" if name == "length" else "such as '3 mm'"
+            which = "that of the whole track, such as '30 mm'" if name == "track_length" else "such as '3 mm'"
             raise InputError(f"{label} needs {named}.{name}, {which}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
     if kind.file is None and prepared:
@@ -101,10 +101,10 @@ def _of_file(kind: Kind, file: Any, test: MeasuredTest, preparation: Preparation
     worn = worn_in(Path(file), kind, preparation, before=before, **sizes)
     body, depth, more = worn.body, worn.body.depth, ""
     if kind == "track":
-        length = test.length or 0.0
+        length = test.track_length or 0.0
         if length < body.length * (1.0 - 1e-9):
             raise InputError(
-                f"length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
+                f"track_length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
             )
         if body.net.size == 1:
             more = ", but not how sections scatter along the track, which several profiles tell"

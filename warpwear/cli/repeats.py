@@ -21,9 +21,17 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.option("--speed", help="Sliding speed, where there is a time alone.")
 @click.option("--load", help="Normal load, where it is not recorded.")
 @click.option("--columns", metavar="NAMES", help="Which columns of the records to take.")
-@repeated("--than", "FILE", "A test of another pair, or a list of them: the difference to it.", type=PATH)
+@repeated(
+    "--than", "FILE", "A test of another pair, or a list of tests, to tell the difference to.", type=PATH
+)
 @repeated("--at", "KEY=VALUE", "Condition of the next test, e.g. 'load=10 N': a trend is taken over it.")
-@click.option("--wanted", type=float, default=0.05, show_default=True, help="Error, as a part of the mean.")
+@click.option(
+    "--wanted",
+    type=float,
+    default=0.05,
+    show_default=True,
+    help="Error of the mean, as a part of it, for which tests still needed are counted.",
+)
 @with_preparation()
 @click.option("--out", type=PATH, help="Folder for page, table and figure. [default: repeats]")
 @FORMAT
@@ -36,7 +44,7 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
     volume and conditions of each. Scars, profiles and volumes may be given here, too, in the order of the
     tests. Prints the sentence for a paper; level, incubation, jump, overshoot
     and wear coefficients with their scatter and the next test's interval; and which test the others
-    foretell the worst.
+    predict worst.
 
     \b
     warpwear repeats test-1.csv test-2.csv --profile track-1.txt --profile track-2.txt --radius "6 mm"
