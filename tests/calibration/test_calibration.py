@@ -128,6 +128,16 @@ def test_units_and_replicates():
     assert wear_coefficient([volume_given(0.018)], load=8.0, distance=2400.0).uncertainty is None
 
 
+def test_profiles_of_one_track_are_one_test():
+    """Entries of one name are places: their mean counts once, with the scatter between them."""
+    sections = {"a": [160.0, 176.0, 144.0], "b": [200.0]}
+    tests = [{"name": n, "section": f"{a} um^2"} for n, areas in sections.items() for a in areas]
+    found = warpwear.calibrate_wear(tests, load="8 N", distance="100 m", track_length="30 mm")
+    assert found.values == pytest.approx([a * 1e-6 * 30.0 / 8e5 for a in (160.0, 200.0)], rel=1e-12)
+    assert found.errors[0] == pytest.approx(16e-6 / math.sqrt(3.0) * 30.0 / 8e5, rel=1e-12)
+    assert "standard deviation of 2 tests" in str(found)
+
+
 def test_a_study_takes_a_calibration_with_its_unit():
     found = warpwear.calibrate_wear([{"volume": "0.019 mm^3"}], load="8 N", distance="2400 mm")
     fine = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.1 mm"})

@@ -97,7 +97,7 @@ class MeasuredTest(Section):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
-    name: str | None = key(None, "of the test; for `repeats` entries of one name are places of one test")
+    name: str | None = key(None, "of the test: entries of one name are places of it, whose mean counts once")
     load: Force = key(None, "normal load")
     distance: Distance = key(None, "sliding distance")
     radius: Length | None = key(None, "radius of the ball")

@@ -107,7 +107,7 @@ def _of_file(kind: Kind, file: Any, test: MeasuredTest, preparation: Preparation
                 f"track_length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
             )
         if body.net.size == 1:
-            more = ", but not how sections scatter along the track, which several profiles tell"
+            more = ", but not how sections scatter along the track: list more profiles of it under one name"
         elif body.length < 0.9 * length:
             more = f", and how sections scatter along the measured {body.length:.4g} mm"
         volume, error = body.volume(length)
