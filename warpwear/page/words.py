@@ -88,6 +88,8 @@ def answers_of(study: Study, s: Summary) -> list[Answer]:
     strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
     part = f"{100.0 * (s.area_contact / s.area_nominal):.3g} % of the scar{note}{strip}"
     largest = f"{spread}, largest {shown(s.pressure_max)} MPa"
+    if study.hertz is not None:
+        largest += f"; Hertz (smooth, unworn) {shown(study.hertz.peak_pressure)} MPa"
     approach = shown(s.approach).replace("-", "−")
     return [
         Answer("Scar, along × across sliding", shown([s.patch_along, s.patch_across]), "mm", rim),
