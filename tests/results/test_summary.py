@@ -76,6 +76,19 @@ def test_the_area_is_told_as_the_verdict_has_it() -> None:
         assert rows["area in contact"].startswith(f"{area:.4g} mm² {verdict['area']}")
 
 
+def test_what_to_do_next_is_told() -> None:
+    """Of a part of the error that nobody looked at, or of the largest, the key that shows more of it."""
+    study = small("representative", output__snapshots=[])
+    assert rows_of(study)[1]["trust"].endswith("next: run again with half of sliding.shift")
+    unknown = study.replace({"checks.step_probe": False})
+    assert (
+        "the area's error is not known; next: run again with half of sliding.shift"
+        in rows_of(unknown)[1]["trust"]
+    )
+    still = Study.load("v1").replace({"grid.cell": "20 um", "sliding.distance": "30 mm"})
+    assert "run again with half of stepping.increment" in rows_of(still)[1]["trust"]
+
+
 def test_what_is_not_known_between_patches_is_left_open() -> None:
     """Profiles through patches that cover a part of the area are too short for Rq."""
     sampled = {"grid.cell": "10 um", "grid.extent": "2.1 mm", "patches.macro_cell": "300 um"}

@@ -18,9 +18,6 @@ LIGHTEST = 3
 WARM = 20.0
 #: Lines at most, its head among them: one more is that of its page.
 MOST_LINES = 9
-#: What makes a part of an area's error smaller where that is not smaller cells.
-SHORTER = "stepping.growth nearer to 1"
-FINER = {"jumps": "half of stepping.jump_error", "wear within a step": SHORTER}
 
 
 def ending(result: ResultFile) -> str:
@@ -32,23 +29,11 @@ def ending(result: ResultFile) -> str:
     formats = {"g": lambda value, digits: shown(value, digits), "far": with_unit}
     told: Any = {"study": study, "s": s, "content": content, "friction": friction_of(study, s)}
     told |= {"warnings": [text for _, text in ranked], "heavy": ranked and ranked[0][0] == 0}
-    told["next"] = _finer(study, s)
     head, *others = filled("ending.txt", formats, escape=False, **told).splitlines()
     rows = [Row(label, "", text) for label, _, text in (line.partition(": ") for line in others) if text]
     if len(rows) >= MOST_LINES:  # the warning goes behind what is said of trust
-        rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}: {rows[-1].value}")]
+        rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}; warning: {rows[-1].value}")]
     return "\n".join([head, *lines(rows)])
-
-
-def _finer(study: Study, s: Summary) -> str:
-    """Say which key to change: for what nobody looked at, else for the largest part of the area's error."""
-    parts = s.verdict.area_parts
-    worst = next((what for what, part in parts.items() if part is None), next(iter(parts)))
-    if worst != "step":
-        return FINER.get(worst, "half of grid.cell")
-    if study.is_swept:
-        return f"half of {'stepping.area_error' if study.contact.law == 'half-space' else 'sliding.shift'}"
-    return "half of stepping.increment" if study.stepping.increment else SHORTER
 
 
 def friction_of(study: Study, s: Summary) -> str:

@@ -74,7 +74,13 @@ def test_a_line_has_no_loops_of_displacement() -> None:
         output__snapshots="auto",
     )
     result = warpwear.run(study)
-    assert set(result.plot.left_out) & NAMES == {"fretting_loops", "running_conditions"}
+    # in gross slip a map of slip would be of one colour, and a row of cells has lines in place of maps
+    assert set(result.plot.left_out) & NAMES == {"fretting_loops", "running_conditions", "slip_map"}
+    lines = result.plot.pressure_map().axes[0].lines
+    assert [str(line.get_label()) for line in lines][-2:] == ["after 2000 cycles", "Hertz, unworn bodies"]
+    peak = result.study.hertz.peak_pressure if result.study.hertz else 0.0
+    assert np.max(lines[-1].get_ydata()) == pytest.approx(peak)
+    assert "contact_map" in result.plot.left_out
     faults = [
         fault for name in NAMES & {*result.plot.names()} for fault in faults_of(name, *drawn(result, name))
     ]
