@@ -85,7 +85,7 @@ def of_views(
             describe.CONTACT, [(x, *row) for row in zip(rows, labels, strict=True)]
         )
         axes = Axis(describe.ALONG), Axis(more["scale"].label, low=0.0)
-        return Figure([Chart(title, *axes, [*lines, *beside])], legend=3)
+        return Figure([Chart(title, *axes, [*lines, *beside])], legend=2)
     panel = Map(title, fields, data.window.extent, labels=labels, notes=notes, **more)
     return Figure([panel], legend=4 if len(fields) > 1 else 2)
 
