@@ -54,7 +54,7 @@ def stress_map(data: FigureData) -> Figure:
     levels = np.linspace(depths[0], depths[-1], 2 * POINTS + 1)[1::2]
     half, across = 0.5 * data.study.grid.sides[_along(data)] / unit, f"{'xy'[_along(data)]}{suffix}"
     extent, notes = (-half, half, -depths[-1] / unit, -depths[0] / unit), [note] if note else []
-    panels = []
+    panels: list[Map] = []
     for measure in ("mises", "principal", *(OF_A_CYCLE if data.study.fatigue else ())):
         plane: FloatArray = table[f"{measure}_plane"][index]
         field = np.array([np.interp(levels, depths, column) for column in plane.T])[:, ::-1]
@@ -84,9 +84,7 @@ def stress_depths(data: FigureData) -> Figure:
             quantity = BY_NAME[measure]
             colour = getattr(describe, quantity.colour)
             ends = {data.indices[0]: ("", Look(colour, "dot"))}
-            for index, how in (
-                ends | {data.indices[-1]: (quantity.short, Look(colour, quantity.dash))}
-            ).items():
+            for index, how in (ends | {data.indices[-1]: (quantity.short, Look(colour))}).items():
                 lines.append(Line(table["depth"][index] / unit, table[measure][index], *how))
         most, (name, limit) = (
             max(float(table[measure].max()) for measure in measures),
