@@ -36,9 +36,9 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     for way, key in ways.items():
         if inputs := [r.name for r in runs if r.study.friction.fitted == way and "cof" in r.courses]:
             yield (
-                f"The coefficient of friction {'at the end ' * (way == 'end')}of {listed(inputs, len(runs))} is "
-                f"an input (friction.{key}): compare the shear strengths, or run all with one "
-                "friction.shear_strength."
+                f"The coefficient of friction {'at the end ' * (way == 'end')}of "
+                f"{listed(inputs, len(runs))} is an input (friction.{key}): compare the shear strengths, or "
+                "run all with one friction.shear_strength."
             )
     yield from told([(run, NO_COF) for run in runs if "cof" not in run.courses], len(runs))
     bare = (run for run in runs if "profile_disc" not in run.courses)

@@ -214,8 +214,8 @@ def _of_mean(study: Content) -> Iterator[str]:
     first, second = study.counter.elastic, study.disc.elastic
     if drives and first and second and first != second:
         yield (
-            "sliding.force or sliding.stroke_of = 'body': the bodies' elastic constants differ, and what "
-            "that adds (friction changes the pressure) is left out."
+            "The bodies' elastic constants differ, so that friction changes the pressure: sliding.force and "
+            "sliding.stroke_of = 'body' leave that out."
         )
 
 
