@@ -284,7 +284,7 @@ def test_a_trend_over_the_speed_that_records_say(tmp_path: Path) -> None:
 
 def test_a_volume_that_may_be_nothing_is_told() -> None:
     sections = [
-        {"section": f"100 +- {u} um^2", "length": "30 mm", "load": "5 N", "distance": "10 m"}
+        {"section": f"100 +- {u} um^2", "track_length": "30 mm", "load": "5 N", "distance": "10 m"}
         for u in (20, 80)
     ]
     notes = warpwear.repeats(sections).numbers["notes"]

@@ -14,7 +14,7 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.argument("files", metavar="FILE...", nargs=-1, type=PATH)
 @together(*IN_TESTS.values())
 @click.option("--ball-radius", help="--scar, --ball: of the unworn ball, e.g. '3 mm'.")
-@click.option("--length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
+@click.option("--track-length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
 @click.option("--distance", help="Sliding distance, where there is no record.")
 @click.option("--radius", help="Radius of the track, e.g. '6 mm'.")
 @click.option("--stroke", help="Length of one stroke, where there is no position.")
@@ -51,7 +51,7 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
     """
     tests: Any = files
     measured = {key: options.pop(key) for key in IN_TESTS}
-    sizes = {key: options.pop(key) for key in ("length", "distance")}
+    sizes = {key: options.pop(key) for key in ("track_length", "distance")}
     sizes["radius"] = options.pop("ball_radius")
     if any(measured.values()) or any(sizes.values()):
         tests = repeated_tests.in_order(sizes, record=files, **measured)
