@@ -251,7 +251,7 @@ def test_steps_under_several_loads_are_numbers_by_load(tmp_path: Path) -> None:
     assert report.told["k_disc"]["mean"] == pytest.approx(np.mean([0.03 / w for w in work]), rel=2e-3)
     assert " at 5.01 N (n = 3); μ = " in report.numbers["sentence"]
     with pytest.raises(
-        InputError, match=r"section needs test.1.length"
+        InputError, match=r"section needs test.1.track_length"
     ):  # nothing says how long the track is
         warpwear.repeats([{"record": tests[0]["record"], "section": "90 um^2"}], radius=None)
     course = report.tests[0].course

@@ -94,8 +94,6 @@ def test_steps_of_a_recipe_are_blocks(tmp_path: Path) -> None:
     assert found["steps"][1]["distance_mm"] == pytest.approx(18.0 * np.pi * laps)
     text = describe([path], radius="6 mm, 9 mm", out=tmp_path / "out", details=True)
     assert text.count("\n  step ") == 2
-    page = (tmp_path / "out" / "record.html").read_text(encoding="utf-8")
-    assert re.search(r"  step +distance, mm +load, N .*\n  4 +\d.*\n  7 +\d", page)  # a row a step
     with (tmp_path / "out" / "record.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert {row["Step"] for row in rows} == {"4", "7"}
