@@ -92,7 +92,7 @@ def test_uncertainty_is_the_slope_of_the_volume():
     for make, width in (
         (lambda d, **more: cap(d, radius=3.0, **more), 2.1),
         (lambda d, **more: circular_track(d, radius=3.0, track_radius=10.0, **more), 2.1),
-        (lambda d, **more: groove(d, length=30.0, **more), 8e-4),
+        (lambda d, **more: groove(d, track_length=30.0, **more), 8e-4),
     ):
         slope = (make(width + step).volume - make(width - step).volume) / (2 * step)
         assert make(width, error=0.01).error == pytest.approx(0.01 * slope, rel=1e-6)
@@ -128,6 +128,16 @@ def test_units_and_replicates():
     assert wear_coefficient([volume_given(0.018)], load=8.0, distance=2400.0).uncertainty is None
 
 
+def test_profiles_of_one_track_are_one_test():
+    """Entries of one name are places: their mean counts once, with the scatter between them."""
+    sections = {"a": [160.0, 176.0, 144.0], "b": [200.0]}
+    tests = [{"name": n, "section": f"{a} um^2"} for n, areas in sections.items() for a in areas]
+    found = warpwear.calibrate_wear(tests, load="8 N", distance="100 m", track_length="30 mm")
+    assert found.values == pytest.approx([a * 1e-6 * 30.0 / 8e5 for a in (160.0, 200.0)], rel=1e-12)
+    assert found.errors[0] == pytest.approx(16e-6 / math.sqrt(3.0) * 30.0 / 8e5, rel=1e-12)
+    assert "standard deviation of 2 tests" in str(found)
+
+
 def test_a_study_takes_a_calibration_with_its_unit():
     found = warpwear.calibrate_wear([{"volume": "0.019 mm^3"}], load="8 N", distance="2400 mm")
     fine = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "0.1 mm"})
@@ -135,7 +145,7 @@ def test_a_study_takes_a_calibration_with_its_unit():
     assert taken.wear_coefficients[1] == pytest.approx(found.mean, rel=1e-14)
     assert taken == fine.replace(wear={"disc": found}) == fine.replace({"wear.disc": found.in_study})
     bare = fine.replace({"wear.disc": found.mean, "output.snapshots": []})
-    with pytest.warns(warpwear.StudyWarning, match="a K has a unit"):
+    with pytest.warns(warpwear.StudyWarning, match="A K has one"):
         text = str(warpwear.run(bare))
     assert f"wear.disc = {found.mean:g}: taken as k of V = k F L / H, not as K" in text
 
@@ -143,7 +153,7 @@ def test_a_study_takes_a_calibration_with_its_unit():
 def test_the_numbers_of_the_thesis():
     assert k_of(volume_given(0.01805)) == pytest.approx(9.4e-4, abs=0.05e-4)
     assert k_of(volume_given(0.02438)) == pytest.approx(12.7e-4, abs=0.05e-4)
-    assert k_of(groove(812.8e-6, length=30.0)) == pytest.approx(12.7e-4, rel=1e-12)
+    assert k_of(groove(812.8e-6, track_length=30.0)) == pytest.approx(12.7e-4, rel=1e-12)
     assert k_of(cap(0.8, radius=3.0)) == pytest.approx(3.5e-4, abs=0.05e-4)
 
 

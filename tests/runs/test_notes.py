@@ -48,7 +48,7 @@ def test_a_terminal_ends_in_ten_lines(study: Path, tmp_path: Path, quick_picture
     rows = {line[2:18].strip(): line[18:].strip() for line in lines[1:]}
     notes = summary["warnings"]
     heavy = sum(" not apply " not in text and "no step ends at" not in text for text in notes)
-    assert rows["trust"] == f"not to be trusted; {heavy} warnings, of which the heaviest"
+    assert rows["trust"] == f"none; the heaviest of {heavy} warnings follows"
     assert "cells are in contact, so its area, pressure and friction mean nothing" in rows["warning"]
     assert rows["page"].startswith(f"{out}/report.html (")
     assert not any(line.startswith(("note: ", "warning: ")) for line in shown.stderr.splitlines())

@@ -231,7 +231,7 @@ def test_patches_on_a_part_of_the_area_know_the_scar_to_a_macro_cell() -> None:
     some = {"grid.extent": "2.1 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"}
     study = Study.load("two-scale").replace(some)
     (told,) = [notice for notice in study.notices() if notice.startswith("patches.width = 100 µm")]
-    assert told.endswith("off by up to a macro cell on each side, and so what follows from them.")
+    assert told.endswith("off by up to a macro cell on each side, and so is what follows from them.")
     assert Study.load("two-scale").notices() == []
 
 

@@ -37,10 +37,10 @@ SOURCES = {
     "scar": Source("diameter of the worn patch; flat cap", "counter", needs=("radius",)),
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
     "section": Source(
-        "cross-section of a groove × length", "disc", needs=("length",), may_have=("track_radius",)
+        "cross-section of a groove × length", "disc", needs=("track_length",), may_have=("track_radius",)
     ),
     "profile": Source(
-        _TRACK, "disc", needs=("length",), may_have=("track_width", "track_radius"), file="track"
+        _TRACK, "disc", needs=("track_length",), may_have=("track_width", "track_radius"), file="track"
     ),
     "after": Source(
         "topographies of the scar's place before and after; net volume lost", "disc", file="scar"
@@ -81,7 +81,7 @@ def worn_volume(
 
 def _needed(test: MeasuredTest, name: str) -> Any:
     """Return a length that a source needs."""
-    return test.track_length if name == "length" else getattr(test, name)
+    return test.way_of_groove if name == "track_length" else getattr(test, name)
 
 
 def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation) -> None:
@@ -91,7 +91,7 @@ def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation
         if _needed(test, name) is None:
             which = (
                 "that of the whole track, such as '30 mm', or track_radius"
-                if name == "length"
+                if name == "track_length"
                 else "such as '3 mm'"
             )
             raise InputError(f"{label} needs {named}.{name}, {which}")
@@ -114,13 +114,13 @@ def _of_file(kind: Kind, file: Any, test: MeasuredTest, preparation: Preparation
     worn = worn_in(Path(file), kind, preparation, before=before, **sizes)
     body, depth, more = worn.body, worn.body.depth, ""
     if kind == "track":
-        length = test.track_length or 0.0
+        length = test.way_of_groove or 0.0
         if length < body.length * (1.0 - 1e-9):
             raise InputError(
-                f"length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
+                f"track_length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
             )
         if body.net.size == 1:
-            more = ", but not how sections scatter along the track, which several profiles tell"
+            more = ", but not how sections scatter along the track: list more profiles of it under one name"
         elif body.length < 0.9 * length:
             more = f", and how sections scatter along the measured {body.length:.4g} mm"
         volume, error = body.volume(length)

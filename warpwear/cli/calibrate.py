@@ -26,10 +26,15 @@ SOURCES = together(
     repeated("--scar", "D", "Diameter of a flat scar on a ball. Needs --radius."),
     repeated("--width", "D", "Width of a circular track. Needs --radius and --track-radius."),
     repeated(
-        "--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length or --track-radius."
+        "--section",
+        "A",
+        "Cross-section of a groove, '812.8 um^2'. Needs --track-length or --track-radius.",
     ),
     repeated(
-        "--track", "FILE", "Topography of a worn track, or profile of it. Needs a length, too.", type=PATH
+        "--track",
+        "FILE",
+        "Topography of a worn track, or profile. Needs --track-length or --track-radius.",
+        type=PATH,
     ),
     repeated("--after", "FILE", "Topography of a disc's scar. Needs --before.", type=PATH),
     repeated("--before", "FILE", "--track, --after: the same place before the test, one a test.", type=PATH),
@@ -40,7 +45,7 @@ SOURCES = together(
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 def calibrate() -> None:
-    """Turn measurements after a test into what a study asks for."""
+    """Find wear coefficients, shear strengths and other numbers of a study from measurements."""
 
 
 @calibrate.command()
@@ -53,7 +58,9 @@ def calibrate() -> None:
 @click.option("--diameter", metavar="D", help="Diameter of the ball, e.g. '6 mm', instead of --radius.")
 @click.option("--track-radius", metavar="R", help="Radius of the circle that the track runs on.")
 @click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
-@click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")
+@click.option(
+    "--track-length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]"
+)
 @click.option("--uncertainty", metavar="U", help=UNCERTAINTY)
 @click.option(
     "--source", metavar="KEY", help="FILE: which of several measurements to take; 'coat' for two K."

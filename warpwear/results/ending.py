@@ -32,7 +32,7 @@ def ending(result: ResultFile) -> str:
     head, *others = filled("ending.txt", formats, escape=False, **told).splitlines()
     rows = [Row(label, "", text) for label, _, text in (line.partition(": ") for line in others) if text]
     if len(rows) >= MOST_LINES:  # the warning goes behind what is said of trust
-        rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}: {rows[-1].value}")]
+        rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}; warning: {rows[-1].value}")]
     return "\n".join([head, *lines(rows)])
 
 

@@ -31,7 +31,7 @@ def test_what_a_test_may_give_beside_values(tmp_path: Path) -> None:
     path = tmp_path / "across.csv"
     table = np.column_stack([place, heights])
     np.savetxt(path, table, delimiter=";", header="x [mm];z [um]", comments="")
-    test = {"profile": path, "length": "30 mm", "scar": ["0.80 mm", "0.84 mm"], "radius": "3 mm"}
+    test = {"profile": path, "track_length": "30 mm", "scar": ["0.80 mm", "0.84 mm"], "radius": "3 mm"}
     volume, scar = data_of(smooth_study(), [test | {"load": "8.1 N"}]).values
     assert (volume.kind, scar.kind) == ("volume_disc", "scar")
     assert volume.value == pytest.approx(30.0 * 2.0 / 3.0 * 2e-3 * 0.22, rel=5e-3)
