@@ -26,7 +26,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 
 from warpwear import Study, run
 from warpwear.engine import executor as execution
