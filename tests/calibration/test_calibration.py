@@ -205,7 +205,7 @@ def test_a_groove_is_as_long_as_its_circle():
     test = {"section": "812.8 um^2", "load": "8 N", "distance": "2400 mm"}
     by_radius = warpwear.calibrate_wear([test | {"track_radius": "3 mm"}])
     assert by_radius.volumes[0].volume == pytest.approx(812.8e-6 * 6.0 * math.pi)
-    with pytest.raises(InputError, match=r"needs test\.1\.length, .* or track_radius"):
+    with pytest.raises(InputError, match=r"needs test\.1\.track_length, .* or track_radius"):
         warpwear.calibrate_wear([test])
 
 

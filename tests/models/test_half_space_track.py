@@ -278,7 +278,7 @@ def test_the_error_that_parts_make_is_told_and_held() -> None:
 def test_parts_that_change_the_area_much_are_told_of() -> None:
     study = small("representative", contact__law="half-space", sliding__distance="60 mm")
     result = warpwear.run(study.replace({"stepping.area_error": 0.5, "disc.synthetic": {"kind": "flat"}}))
-    assert any("change the area by more than 10 %" in note for note in result.summary["warnings"])
+    assert any("changes the area by more than 10 %" in note for note in result.summary["warnings"])
 
 
 def sliding_ball(ra: float, shift: int, *, cell: str, passes: int, **changes: str) -> dict[str, FloatArray]:

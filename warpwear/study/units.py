@@ -63,6 +63,7 @@ FACTORS = {
     "mm^3/N/m": {"mm^3/N/m": 1.0},
     "N/mm": {"N/mm": 1.0, "J/m^2": 1.0e-3},
     "MB": {"MB": 1.0, "GB": 1.0e3},
+    **{unit: {unit: 1.0} for unit in ("W/m/K", "J/kg/K", "kg/m^3", "ohm*m")},
 }
 #: Most characters of a quantity: more are read as none.
 LONGEST_TEXT = 200

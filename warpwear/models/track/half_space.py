@@ -75,6 +75,7 @@ class SlidingHalfSpace:
     SCRATCH: ClassVar = (
         *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_sheared", "_sheared_means", "_row"),
         *("_place", "_programs", "_static", "_asked", "_unreached", "_step_program", "_requested"),
+        "_grew",
     )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -141,7 +142,7 @@ class SlidingHalfSpace:
         #: Finds what wears cells whose K goes with their pressure; None where none does.
         self._lines = WearLines(task.knots, executor, moves=moves) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
-        self._static = None
+        self._static, self._grew = None, False
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
@@ -223,12 +224,14 @@ class SlidingHalfSpace:
             # Steps that are made again know no laps, and start as those did else: areas are compared.
             place = f"{parts[0].shift} {way.lane}" if self.length.trial is None else ""
             start = self._starts.choose(place, tries=learns)
-        done, area, made = 0, self._executor.grid.cell_area, None
+        done, area, made, self._grew = 0, self._executor.grid.cell_area, None, False
         while done < len(parts):
-            left = parts[done : 1 if due and not done else None]
-            count, made = self._in_one_go(left, start, way)
+            left = parts[done : 1 if due and not done else done + 1 if self._grew else None]
+            # What has outgrown its window is found again from there, wherever the parts before it were made.
+            begin, self._grew = NEIGHBOUR if self._grew else start, False
+            count, made = self._in_one_go(left, begin, way)
             if made is None:
-                count, made = 1, self._alone(left[0], start)
+                count, made = 1, self._alone(left[0], begin)
             if due and self._static and not done:
                 static = self._static_area(self._static)
             done, last = done + count, left[count - 1]
@@ -315,8 +318,9 @@ class SlidingHalfSpace:
         if keeps:
             self._starts.note(places[:count], way.end)
         found = count < len(group) and stay.search.read() == CONVERGED
-        if found and self._half_space.outgrows(rows=rows) and made is None:
-            return self._in_one_go(parts[:1], NEIGHBOUR, way)  # from what was found
+        self._grew = found and self._half_space.outgrows(rows=rows)
+        if self._grew and made is None:
+            return self._in_one_go(parts[:1], NEIGHBOUR, way)
         if made is not None:
             self._half_space.end_stay(whole=count == len(group), **about)
             if self._asked:
