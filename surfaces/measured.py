@@ -213,9 +213,9 @@ class Measured:
         removed = self.details.get("outliers_removed", 0)
         if highest > SPIKE and not removed:
             doubts.append(
-                f"the highest point stands {highest:.2g} times Sq above the mean, which roughness seldom "
-                "does: it may be a spike of the instrument, and decides where the bodies first touch; look at"
-                " the map; disc.outliers, 6 for example, removes points that stand out from their neighbours"
+                f"the highest point stands {highest:.2g} times Sq above the mean, as spikes of an instrument "
+                "do, and the bodies would touch there first: look at the map; disc.outliers, such as 6, "
+                "removes points that stand out from their neighbours"
             )
         if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
             doubts.append(

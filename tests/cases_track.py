@@ -29,6 +29,7 @@ def small(track: str, **changes: Any) -> Study:
     dotted = {k.replace("__", "."): v for k, v in changes.items()}
     base = {"grid.cell": "20 um", "grid.extent": "0.62 mm", "sliding.kinematics": "swept"}
     base |= {"sliding.distance": "7.37 mm", "counter.radius": "1 mm", "output.snapshots": []}
+    base |= {"output.precision": "double"}
     return Study.load("v3-fine").replace(base | TRACKS[track][0] | dotted)
 
 

@@ -20,6 +20,8 @@ from warpwear.calibration.strength import calibrate_friction as calibrate_fricti
 from warpwear.comparison.compare import ComparedRuns as ComparedRuns
 from warpwear.comparison.compare import compare as compare
 from warpwear.contact.array.contact import ArrayContact as ArrayContact
+from warpwear.contact.array.found import Flash as Flash
+from warpwear.contact.array.found import FlowFactors as FlowFactors
 from warpwear.contact.array.shear import ShearCertificate as ShearCertificate
 from warpwear.contact.array.shear import ShearedContact as ShearedContact
 from warpwear.contact.array.solve import solve_contact as solve_contact
@@ -41,6 +43,8 @@ from warpwear.laws.elastic import effective_modulus as effective_modulus
 from warpwear.laws.friction import FrictionLaw as FrictionLaw
 from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
 from warpwear.measured.friction.record import read_record as read_record
+from warpwear.measured.joints import JointCurve as JointCurve
+from warpwear.measured.joints import joint_curve as joint_curve
 from warpwear.measured.report import FileReport as FileReport
 from warpwear.measured.report import Report as Report
 from warpwear.measured.surface import MeasuredProfile as MeasuredProfile

@@ -31,9 +31,7 @@ class StepParts:
 
     slides: wp.array(dtype=Slide)
     requests: wp.array2d(dtype=wp.float64)  # a row a part, by `Request`
-    starts: wp.array2d(
-        dtype=wp.int32
-    )  # row and vector among laps; 1 where it starts there, and where it stays
+    starts: wp.array2d(dtype=wp.int32)  # as of `passes.Lap.first`; 1 where it starts there, where it stays
     ahead: wp.array(dtype=wp.float64)  # of such a part, see `passes.Lap`
     left: wp.array2d(dtype=wp.float64)  # sums and maxima, approach [mm], pairs of transforms
     box: wp.array(dtype=wp.int32)  # of the window: first and last row, first and last column
@@ -55,9 +53,10 @@ def begin_part(parts: StepParts, slides: wp.array(dtype=Slide), solve: Solve, la
             solve.request[i] = parts.requests[n, i]
         lap.first[0] = parts.starts[n, 0]
         lap.first[1] = parts.starts[n, 1]
+        lap.first[2] = parts.starts[n, 2]
         lap.ahead[0] = parts.ahead[n]
-        parts.flags[PartFlag.FROM_LAP] = parts.starts[n, 2]
-        parts.flags[PartFlag.KEEPS] = parts.starts[n, 3]
+        parts.flags[PartFlag.FROM_LAP] = parts.starts[n, 3]
+        parts.flags[PartFlag.KEEPS] = parts.starts[n, 4]
 
 
 @wp.kernel(module=TOGETHER)

@@ -9,7 +9,7 @@ import warp as wp
 from warpwear.kernels import contact
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
-from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve, Streaks
+from warpwear.kernels.half_space.solve import OWN, TOGETHER, RowGroup, Solve, Streaks
 from warpwear.kernels.native_code import native_pass, pass_over
 
 #: Rows of a slot of `extend` and `gather`.
@@ -25,25 +25,25 @@ carried = pass_over(Solve, "carried<false>", module=TOGETHER)
 #: Make the trial, shifted and clipped, the pressure.
 take = pass_over(Solve, "carried<true>", module=TOGETHER)
 #: Bring pressures down to caps that may have fallen.
-bound = pass_over(Solve, "bound", module=TOGETHER)
+bound = pass_over(Solve, "bound", module=OWN)
 
 
-@native_pass("streak", module=TOGETHER)
+@native_pass("streak", module=OWN)
 def streak(solve: Solve, streaks: Streaks, of_step: wp.bool):
     """Find what yields of a body that the pressure, or the step, passes along x."""
 
 
-@native_pass("add_streaks", module=TOGETHER)
+@native_pass("add_streaks", module=OWN)
 def add_streaks(solve: Solve, streaks: Streaks):
     """Add the mean along x of what yields so to the response."""
 
 
 #: Add what compliances of each cell make of the pressure to its response.
-yield_to_pressure = pass_over(Solve, "yield<false>", module=TOGETHER)
+yield_to_pressure = pass_over(Solve, "yield<false>", module=OWN)
 #: Add what compliances of each cell make of the step to its response.
-yield_to_step = pass_over(Solve, "yield<true>", module=TOGETHER)
+yield_to_step = pass_over(Solve, "yield<true>", module=OWN)
 #: Give each cell the share in the preconditioner that its compliance leaves it.
-weigh = pass_over(Solve, "weigh", module=TOGETHER)
+weigh = pass_over(Solve, "weigh", module=OWN)
 #: Make the gradient of the present pressure from its response.
 gradient = pass_over(Solve, "gradient", module=TOGETHER)
 #: Go along the step, or take the trial; sum up and bound what that leaves.
@@ -83,12 +83,11 @@ class Transfer:
 
 @wp.struct
 class Lap:
-    """Holds pressures of the places of a lap, those of the last above those of the one before."""
+    """Holds pressures of the places of a lap, of the last one and of the one before."""
 
     laps: wp.array2d(dtype=Cells)  # [MPa]
-    rows: wp.int32  # of a place, of each lap
     pressure: wp.array2d(dtype=Cells)  # in a window [MPa]
-    first: wp.array(dtype=wp.int32)  # row and vector among laps where the window begins
+    first: wp.array(dtype=wp.int32)  # row of the last, vector, and row of the one before where it begins
     ahead: wp.array(dtype=wp.float64)  # distance from the last lap on, over that between both; one number
     cap: wp.float64  # [MPa]
 
@@ -110,7 +109,7 @@ take_window = pass_over(Transfer, "take_window", module=TOGETHER)
 give_window = pass_over(Transfer, "give_window", module=TOGETHER)
 #: Start from the pressure of a place in the last lap, or from where that leads to.
 take_lap = pass_over(Lap, "take_lap", module=TOGETHER)
-#: Keep the pressure of a place, and that of the lap before.
+#: Keep the pressure of a place instead of that of the lap before the last.
 keep_lap = pass_over(Lap, "keep_lap", module=TOGETHER)
 #: Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none.
 restrict = pass_over(Transfer, "restrict_cells", module=TOGETHER)

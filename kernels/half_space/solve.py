@@ -24,6 +24,9 @@ HEADERS = (
     "half_space/certificate.h",
 )
 wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
+#: Kernels for caps and compliances that cells have of their own, which few searches ask for.
+OWN = wp.get_module("warpwear.kernels.half_space.own")
+wp.set_module_options(native_code.options("half_space/search.h"), module=OWN)
 
 #: How a search ended.
 RUNS = wp.constant(wp.int32(0))

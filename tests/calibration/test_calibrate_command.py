@@ -100,12 +100,14 @@ def test_standards_of_astm_are_under_their_names() -> None:
     assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4)
     assert found["uncertainty_mm3_per_Nm"] == pytest.approx(0.127e-4)
     assert found["worn"] == "disc"
-    same = record("wear", *flat, "--standard", "g133-flat", "--length", "3 cm")
+    same = record("wear", *flat, "--standard", "g133-flat", "--track-length", "3 cm")
     assert same["wear_coefficient_mm3_per_Nm"] == found["wear_coefficient_mm3_per_Nm"]
-    refused = calibrate("wear", *flat, "--standard", "g133-flat", "--length", "25 mm").exception
+    refused = calibrate("wear", *flat, "--standard", "g133-flat", "--track-length", "25 mm").exception
     assert isinstance(refused, InputError)
-    assert "--length 25 mm is not --stroke 30 mm, which g133-flat takes" in str(refused)
-    longer = record("wear", *flat, "--length", "25 mm")  # without the standard it is a length like any other
+    assert "--track-length 25 mm is not --stroke 30 mm, which g133-flat takes" in str(refused)
+    longer = record(
+        "wear", *flat, "--track-length", "25 mm"
+    )  # without the standard it is a length like any other
     assert longer["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4 * 25 / 30)
 
 
@@ -173,7 +175,7 @@ def test_sentences_of_python_name_its_parameters() -> None:
 
 
 def test_topographies(files: Path) -> None:
-    found = record("wear", "--track", files / "track.npy", *GIVEN, "--length", "30 mm", *TEST)
+    found = record("wear", "--track", files / "track.npy", *GIVEN, "--track-length", "30 mm", *TEST)
     assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(0.002 * 30 / 19.2, rel=0.01)
     assert 0 < found["uncertainty_mm3_per_Nm"] < 0.05 * found["wear_coefficient_mm3_per_Nm"]
     options = ["surface", str(files / "track.npy"), *GIVEN, "--track", "--track-length", "30 mm", "--json"]
@@ -197,10 +199,10 @@ def test_a_profile_across_a_track(tmp_path: Path) -> None:
     path = tmp_path / "across.csv"
     table = np.column_stack([place, heights])
     np.savetxt(path, table, delimiter=";", header="x [mm];z [um]", comments="")
-    found = record("wear", "--track", path, "--length", "31.4 mm", *TEST)
+    found = record("wear", "--track", path, "--track-length", "31.4 mm", *TEST)
     expected = 31.4 * 2 / 3 * 2e-3 * 0.22 / 19.2
     assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(expected, rel=5e-3)
-    refused = calibrate("wear", "--track", path, "--before", path, "--length", "31.4 mm", *TEST)
+    refused = calibrate("wear", "--track", path, "--before", path, "--track-length", "31.4 mm", *TEST)
     assert isinstance(refused.exception, InputError)
     assert "--before is for a map of heights" in str(refused.exception)
 
@@ -233,7 +235,7 @@ def test_a_place_before_and_after_the_test(tmp_path: Path) -> None:
     for name, heights in zip(("new", "scar", "track"), (0.0 * bowl, 3.0 * bowl, 3.0 * trough), strict=True):
         np.save(tmp_path / f"{name}.npy", rough - heights + noise[len(name) - 3])
     before = ("--before", tmp_path / "new.npy", *GIVEN, *TEST)
-    for source, lost, more in (("--after", bowl, ()), ("--track", trough, ("--length", 160 * 0.003))):
+    for source, lost, more in (("--after", bowl, ()), ("--track", trough, ("--track-length", 160 * 0.003))):
         more = (more[0], f"{more[1]} mm") if more else ()
         name = "scar" if source == "--after" else "track"
         found = record("wear", source, tmp_path / f"{name}.npy", *before, *more)["tests"][0]
@@ -320,7 +322,7 @@ BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
         (["wear", "--volume", "nan mm^3", *TEST], "is not a number"),
         (["wear", "--volume", "inf mm^3", *TEST], "must be finite"),
         (["wear", "--volume", "1 mm", *TEST], "a volume such as"),
-        (["wear", "--section", "1", "--length", "1 mm", *TEST], "an area such as"),
+        (["wear", "--section", "1", "--track-length", "1 mm", *TEST], "an area such as"),
         (["wear", "--volume", "1 mm^3", "--distance", "1 m"], "--load is missing"),
         (["wear", "--volume", "1 mm^3", "--load", "8 N"], "the sliding distance is missing"),
         (["wear", "--volume", "1 mm^3", *TEST, "--passes", "8"], "--distance and --passes exclude"),
@@ -337,8 +339,8 @@ BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
         ),
         (["wear", *BALL, *TEST, "--uncertainty", "-1 um"], "--scar = '0.8 mm +- -1 um': must be at least 0"),
         (["wear", "--width", "7 mm", "--radius", "3 mm", "--track-radius", "9 mm", *TEST], "width is 7 mm"),
-        (["wear", "--section", "1 um^2", *TEST], "--section needs --length"),
-        (["wear", "--track", "none.sur", "--length", "1 mm", *TEST], "'none.sur' does not exist"),
+        (["wear", "--section", "1 um^2", *TEST], "--section needs --track-length"),
+        (["wear", "--track", "none.sur", "--track-length", "1 mm", *TEST], "'none.sur' does not exist"),
         (["wear", "--ball", "b.npy", "--uncertainty", "1 um", *TEST], "brings its own standard error"),
         (["wear", "--ball", "b.npy", "--level", "plane", *TEST], "--level is not for --ball"),
         (["friction", "--cof", "0.6"], "the area is missing"),
@@ -381,10 +383,10 @@ def test_what_lost_nothing_and_what_is_longer_than_its_track_are_refused(files: 
     across = np.abs((np.arange(300) - 149.5) * 0.003)
     built_up = np.where(across < 0.02, -15.0, np.where(across < 0.15, 10.0, 0.0))  # a slit in a ridge
     np.save(files / "ridge.npy", np.tile(built_up, (300, 1)))
-    options = ("--track-width", "0.4 mm", "--length", "30 mm")
+    options = ("--track-width", "0.4 mm", "--track-length", "30 mm")
     up = calibrate("wear", "--track", files / "ridge.npy", *GIVEN, *options, *TEST)
     assert "has lost no volume" in str(up.exception)
-    short = calibrate("wear", "--track", files / "track.npy", *GIVEN, "--length", "0.5 mm", *TEST)
+    short = calibrate("wear", "--track", files / "track.npy", *GIVEN, "--track-length", "0.5 mm", *TEST)
     assert "at least the piece in" in str(short.exception)
 
 
@@ -425,7 +427,7 @@ def test_a_list_of_tests_gives_shear_strengths_and_energies(tmp_path: Path) -> N
     assert isinstance(energy, warpwear.CalibratedTests)
     assert energy.values == pytest.approx((11.52, 2.0))
     assert energy.errors == pytest.approx((11.52 * 0.02 / 0.6, 2.0 * 0.1 / 4))
-    assert repr(energy).startswith("<energy of 2 tests: 6.76 ± 4.8 J")
+    assert repr(energy).startswith("<energy of 2 tests: 6.8 ± 4.8 J")
 
 
 def test_a_list_beside_a_run_has_its_load(run: Path, tmp_path: Path) -> None:

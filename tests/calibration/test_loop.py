@@ -69,6 +69,27 @@ def test_what_made_a_loop_comes_back(noise: float, tmp_path: Path) -> None:
     assert told["energy_mJ"] == pytest.approx(0.8 * 12.0 * BORDER + 48.0 * 0.024, rel=0.01)
 
 
+def test_noise_makes_no_force_and_is_told_as_errors(tmp_path: Path) -> None:
+    """The largest of noisy points is 0.1 above the force at the tips; errors hold what 40 loops scatter."""
+    names = ("coefficient", "force", "slip", "energy")
+    exact = calibrate_loop(written(tmp_path / "exact.csv", slide=0.024), load="20 N")
+    place, force = np.loadtxt(tmp_path / "exact.csv", delimiter=",", skiprows=1).T
+    truth, offs = np.array([getattr(exact, name) for name in names]), []
+    for seed in range(40):
+        noise = np.random.default_rng(seed).standard_normal((2, place.size))
+        rows = np.column_stack([place + 0.4 * noise[0], force + 0.24 * noise[1]])
+        header = "displacement [um],friction force [N]"  # as the command's help calls them
+        np.savetxt(tmp_path / "noisy.csv", rows, delimiter=",", header=header, comments="")
+        noisy = calibrate_loop(tmp_path / "noisy.csv", load="20 N")
+        offs.append(
+            [(getattr(noisy, name) - t) / noisy.errors[name] for name, t in zip(names, truth, strict=True)]
+        )
+    assert rows[:, 1].max() > force.max() + 0.2
+    assert np.sqrt(np.mean(np.square(offs), axis=0)).max() < 1.6
+    assert noisy.numbers["coefficient_error"] == noisy.errors["coefficient"]
+    assert " ± " in str(noisy)
+
+
 def test_partial_slip_tells_no_coefficient(tmp_path: Path) -> None:
     file = written(tmp_path / "loop.csv", slide=0.0, ratio=0.6)
     told = calibrate_loop(file, load="20 N").numbers

@@ -199,7 +199,7 @@ def test_agreement_that_was_fitted_does_not_count() -> None:
         ([{"load": "5 N"}], {}, "nothing was measured"),
         ([{"volume_disc": "0.02 mm^3"}], {}, "test.1.volume_disc needs a load and a distance"),
         (
-            [{**VOLUMES[0], "section": "800 um^2", "length": "30 mm"}],
+            [{**VOLUMES[0], "section": "800 um^2", "track_length": "30 mm"}],
             {},
             "of a body whose wear is given already",
         ),
@@ -251,7 +251,7 @@ def test_steps_under_several_loads_are_numbers_by_load(tmp_path: Path) -> None:
     assert report.told["k_disc"]["mean"] == pytest.approx(np.mean([0.03 / w for w in work]), rel=2e-3)
     assert " at 5.01 N (n = 3); μ = " in report.numbers["sentence"]
     with pytest.raises(
-        InputError, match=r"section needs test.1.length"
+        InputError, match=r"section needs test.1.track_length"
     ):  # nothing says how long the track is
         warpwear.repeats([{"record": tests[0]["record"], "section": "90 um^2"}], radius=None)
     course = report.tests[0].course
@@ -284,7 +284,7 @@ def test_a_trend_over_the_speed_that_records_say(tmp_path: Path) -> None:
 
 def test_a_volume_that_may_be_nothing_is_told() -> None:
     sections = [
-        {"section": f"100 +- {u} um^2", "length": "30 mm", "load": "5 N", "distance": "10 m"}
+        {"section": f"100 +- {u} um^2", "track_length": "30 mm", "load": "5 N", "distance": "10 m"}
         for u in (20, 80)
     ]
     notes = warpwear.repeats(sections).numbers["notes"]

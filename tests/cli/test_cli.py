@@ -122,7 +122,7 @@ def test_a_smooth_run_stands_beside_hertz(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.stderr
     # K_N = 3/π E*/a with E* = 1.072e5 MPa and a = 55.2 µm
     assert "foundation_N_per_mm3 1.856e+06" in done.stdout
-    assert "(smooth and unworn, by Hertz: 1255)" in done.stdout
+    assert "Hertz (smooth, unworn) 1255 MPa" in done.stdout
     assert re.search(r"hertz: .*radius_um 55.*, peak_pressure_MPa 1255, approach_um 1.01", done.stdout)
 
 

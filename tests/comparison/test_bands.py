@@ -66,7 +66,7 @@ def test_runs_that_differ_in_a_seed_are_one_line_with_a_band(
     read = gather([swept], band_over=["disc.synthetic.seed"])
     panel = paint(FIGURES["area"](read)).axes[0]
     assert [line.get_label() for line in panel.get_lines()] == list(cofs)
-    assert panel.get_title() == "mean and 5–95 % of 3 runs"
+    assert panel.get_title() == "mean and least to most of 3 runs"
     areas = np.array([run.courses["area_contact"][1] for run in read.groups[0].rows])
     assert np.allclose(panel.get_lines()[0].get_ydata(), areas.mean(axis=0))
     corners = panel.collections[0].get_paths()[0].vertices[:, 1]

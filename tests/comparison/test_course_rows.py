@@ -54,7 +54,7 @@ def test_a_course_that_never_rises_has_none() -> None:
     groups = [Group("run", (run_with(np.full(PLACES.size, 0.15)),))]
     (line,) = told_of(data_by_name(groups, [EXPERIMENT]))
     assert line.startswith(
-        "run has of test: start; it has not: place of the rise (measured 300 mm, computed none)"
+        "run beside test: agrees in start; differs in place of the rise (measured 300 mm, computed none)"
     )
 
 

@@ -12,9 +12,16 @@ from warpwear.ensembles.figures import lines_of
 from warpwear.ensembles.page import answers_of, than
 from warpwear.ensembles.table import read_csv, write_csv
 from warpwear.measured.experiment import Experiment
+from warpwear.results.ensemble import band, band_name
 
 #: Levels of three tests of one pair.
 LEVELS = (0.5, 0.6, 0.58)
+
+
+def test_a_mean_lies_among_its_values() -> None:
+    """The mean of three times 0.1 is 0.10000000000000002; of 19 rows a band is one of 5 to 95 %."""
+    assert [float(one[0]) for one in band(np.full((3, 1), 0.1))] == [0.1, 0.1, 0.1]
+    assert [band_name(count) for count in (18, 19)] == ["least to most", "5 to 95 %"]
 
 
 def repeats() -> Group[EnsembleRow]:
@@ -62,7 +69,7 @@ def test_answers_are_beside_the_first_with_their_scatter() -> None:
     assert table["names"] == ["two", "one"]
     runs, (_, (two, one)) = table["rows"]
     assert runs == ("runs", [{"text": "2"}, {"text": "1"}])
-    assert two == {"text": "0.5 ± 0.14", "notes": ["5 to 95 %: 0.4 to 0.6"], "is_input": False}
+    assert two == {"text": "0.5 ± 0.14", "notes": ["least to most: 0.4 to 0.6"], "is_input": False}
     assert one == {"text": "0.25", "notes": ["−50 %"], "is_input": True}
 
 

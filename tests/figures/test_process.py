@@ -209,5 +209,5 @@ def test_an_interrupted_run_leaves_no_process(tmp_path: Path, watch: Callable[..
 def test_the_kinds_drawn_here_have_all_essential_figures() -> None:
     common = {"setup", "pressure_map", "contact_map", "areas", "cof", "profiles", "volumes"}
     of_kinds = {*OF_KINDS.values(), *OF_FRETTING, *OF_STRESSES}
-    elsewhere = {"track_map", "wear_per_pass", "bare_fraction", "material_map", "layers"}
+    elsewhere = {"track_map", "bare_fraction", "material_map", "layers"}
     assert common | of_kinds | elsewhere == set(ESSENTIAL)

@@ -25,6 +25,7 @@ from warpwear.figures.of_run.animation import animate
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.fields import _declare_map
 from warpwear.figures.of_run.history import cof
+from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS
 from warpwear.results.track import (
     blocks,
@@ -32,6 +33,7 @@ from warpwear.results.track import (
     course,
     depth_along,
     groove,
+    pass_numbers,
     roughness_in_track,
     whole_steps,
 )
@@ -70,14 +72,19 @@ def test_the_groove_holds_what_the_disc_lost(result: Result) -> None:
 def test_passes_add_up(result: Result) -> None:
     passes = by_pass(result, "area_contact")
     assert passes["distance"] == pytest.approx([3.0, 3.0, 1.37])
-    assert passes["wear_volume_counter"][:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
+    ends = np.append(np.flatnonzero(np.diff(pass_numbers(result))), -1)
+
+    def lost(name: str) -> FloatArray:
+        return np.diff(result.history[name][ends], prepend=0.0)
+
+    assert lost("wear_volume_counter")[:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
     areas, increments = result.history["area_contact"], result.history["increment"]
     last = result.history["distance"] > 6.0 + 1e-9
     assert increments[last][-1] < 0.6 * increments[last][0]  # counts as far as it slid
     mean = np.average(areas[last], weights=increments[last])
     assert passes["area_contact"][2] == pytest.approx(mean, rel=1e-12)
-    assert passes["plastic_volume_disc"].sum() == pytest.approx(result.history["plastic_volume_disc"][-1])
-    assert passes["plastic_volume_disc"][0] > 2.0 * passes["plastic_volume_disc"][1]  # dents are made once
+    dents = lost("plastic_volume_disc")
+    assert dents[0] > 2.0 * dents[1]  # they are made once
 
 
 def test_the_track_gets_smoother(result: Result) -> None:
@@ -139,8 +146,6 @@ def test_a_groove_that_was_only_pressed() -> None:
         small("representative", sliding__plastic="keep", wear__disc="0 mm^3/N/m", sliding__distance="3 mm")
     )
     assert dented.plot.reason("groove") is None
-    labels = [line.get_label() for line in dented.plot.wear_per_pass().axes[0].lines]
-    assert labels == ["displaced"]
     assert groove(dented, -1).mean_depth > 0.0
     dented.plot.groove().draw_without_rendering()
 

@@ -134,7 +134,9 @@ def test_a_half_space_on_a_track_is_corrected_where_its_step_is_known() -> None:
         assert unknown.area_corrected_mm2 is unknown.area_relative is None
         assert unknown.area_parts["cells"] == pytest.approx(1.5 * added, rel=1e-4)
         assert [*unknown.area_parts.items()][-1] == ("step", None)
-        assert unknown.text.startswith("area 0.001 mm² ± not known (cells 30, step not known); ")
+        assert unknown.text.startswith(
+            "area 0.001 mm² ± not known (size of cells 30 %, length of steps not looked at); "
+        )
         assert not unknown.trusted
 
 
@@ -181,7 +183,8 @@ def test_known_errors_add_up_as_squares() -> None:
     assert verdict.area_relative == pytest.approx(math.hypot(*parts.values()))
     assert not verdict.trusted  # more than a tenth
     assert verdict.text.startswith(
-        "area 0.001 mm² ± 15 % (wear within a step 10, cells 6.3, jumps 6, balance of the load 5, points"
+        "area 0.001 mm² ± 15 % (wear within a step 10 %, size of cells 6.3 %, cycles not computed 6 %, "
+        "load not balanced 5 %, points"
     )
 
 
@@ -210,8 +213,8 @@ def test_scatter_along_the_track_tells_of_another_piece() -> None:
 @pytest.mark.parametrize(
     ("friction", "assumed", "words"),
     [
-        ({"coefficient": 0.5}, True, "friction assumed, at the end"),
-        ({"coefficient": 0.5, "calibrate": "initial"}, False, "friction given, at the start"),
+        ({"coefficient": 0.5}, True, "friction assumed at the end"),
+        ({"coefficient": 0.5, "calibrate": "initial"}, False, "friction given at the start"),
         ({"law": "coulomb", "coefficient": 0.5}, False, "friction given"),
         ({"shear_strength": "4 MPa"}, False, "predicted from the area, by a shear strength that is given"),
         ({"shear_strength": "4 MPa"}, True, "predicted from the area, by a shear strength that is assumed"),
@@ -221,7 +224,7 @@ def test_whence_friction_is(friction: dict[str, Any], assumed: bool, words: str)
     keys = ("friction.coefficient", "friction.shear_strength") if assumed else ()
     verdict = judged({"assumptions": dict.fromkeys(keys, "")}, rough(**friction))
     assert verdict.text.endswith(words)
-    assert f"; friction {verdict.friction}" in verdict.text
+    assert f"; coefficient of friction {verdict.friction}" in verdict.text
 
 
 def test_what_takes_all_trust_is_said_first() -> None:
@@ -229,7 +232,7 @@ def test_what_takes_all_trust_is_said_first() -> None:
     assert verdict.text.startswith("not to be trusted: 1 warning; area")
     assert not verdict.trusted
     unfinished = judged({"finished": False, "cof": {"end": None}})
-    assert unfinished.text.startswith("interrupted: as far as it came; area")
+    assert unfinished.text.startswith("interrupted: numbers of the distance slid so far; area")
     assert unfinished.text.endswith("friction unknown before the end")
 
 

@@ -85,7 +85,7 @@ def test_the_energy_of_a_rising_coefficient(tmp_path: Path) -> None:
 #: Cases of wear by a shear strength: what each adds to one of `CASES`.
 STRENGTH = 40.0  # [MPa]
 BY_STRENGTH: dict[str, Any] = {key: value for key, value in ENERGY.items() if key.startswith("wear.")}
-BY_STRENGTH |= {"friction.shear_strength": f"{STRENGTH} MPa"}
+BY_STRENGTH |= {"friction.shear_strength": f"{STRENGTH} MPa", "output.precision": "double"}
 HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
 RUNS_IN = {"friction.initial_ratio": 0.25, "friction.running_in": "1.5 mm"}
 FILM = {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "12 MPa"}

@@ -70,7 +70,9 @@ def result() -> Result:
 def drawn(result: Result, critical: float | None) -> Any:
     data = FigureData(result)
     data.study = SimpleNamespace(  # type: ignore[assignment]
-        pair=SimpleNamespace(critical_junction=critical, critical_diameter=critical), cells=result.study.cells
+        pair=SimpleNamespace(critical_junction=critical, critical_diameter=critical),
+        cells=result.study.cells,
+        fretting=None,
     )
     figure = paint(junctions(data))
     figure.canvas.draw()

@@ -18,7 +18,7 @@ HALF_SPACE = {"contact.law": "half-space"}
 #: Caps under the film and without it [MPa].
 FILMED, BARE = math.sqrt(590.0**2 - 9.0 * 40.0**2), math.sqrt(590.0**2 - 9.0 * 172.0**2)
 REST = {"grid.cell": "20 um", "grid.extent": "0.6 mm", "sliding.distance": "3 mm", "counter.radius": "1 mm"}
-REST |= {"stepping.first": "30 um", "output.snapshots": []}
+REST |= {"stepping.first": "30 um", "output.snapshots": [], "output.precision": "double"}
 TWO_SCALE = {"grid.cell": "20 um", "grid.extent": "0.6 mm", "patches.macro_cell": "100 um"}
 TWO_SCALE |= {"sliding.distance": "3 mm", "stepping.first": "30 um", "output.snapshots": []}
 PATCHED_HALF_SPACE = HALF_SPACE | {"patches.bulk": "none", "contact.boundary": "free"}

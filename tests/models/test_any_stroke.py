@@ -218,5 +218,5 @@ def test_a_stroke_that_the_bodies_yield_is_told() -> None:
         for notice in study.replace({"sliding.stroke": "2 um", "grid.cell": "1 um"}).notices()
         if "slip" in notice
     ]
-    assert f"yield by {1e3 * expected:.3g} µm before they slip" in told
+    assert f"travels {1e3 * expected:.3g} µm farther" in told
     assert not [notice for notice in study.notices() if "slip" in notice]

@@ -174,9 +174,9 @@ def test_a_film_without_growing_junctions_changes_friction_alone(device: str) ->
 def test_a_shear_beyond_what_the_softer_body_bears_is_told() -> None:
     growing = {"friction.shear_strength": "150 MPa", "friction.junction_growth": 9.0}
     harder = STUDIES["track"].replace({"disc.hardness": "400 MPa", "contact.hardness": "590 MPa"} | growing)
-    with pytest.warns(warpwear.StudyWarning, match=r"150 MPa is beyond H/√α = 133 MPa"):
+    with pytest.warns(warpwear.StudyWarning, match=r"150 MPa is more than .* bears, H/√α = 133 MPa"):
         warpwear.run(harder)
-    with pytest.warns(warpwear.StudyWarning, match=r"150 MPa is beyond H/\(3√3\) = 77 MPa"):
+    with pytest.warns(warpwear.StudyWarning, match=r"150 MPa is more than .* bears, H/\(3√3\) = 77 MPa"):
         warpwear.run(harder.replace({"friction.junction_growth": 0.0}))
 
 

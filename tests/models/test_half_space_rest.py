@@ -22,7 +22,7 @@ from warpwear.models.track.half_space import SlidingHalfSpace
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
 
-LAW = {"contact.law": "half-space", "output.snapshots": []}
+LAW = {"contact.law": "half-space", "output.snapshots": [], "output.precision": "double"}
 TRANSITION = {
     "wear__law": "transition",
     "wear__severe_counter": "9.4e-3 mm^3/N/m",

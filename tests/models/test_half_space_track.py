@@ -37,6 +37,7 @@ from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.models.track.part_length import PartLength
+from warpwear.models.track.starts import AHEAD, LAP, Starts
 from warpwear.runs.plan import plan_of
 
 #: On a GPU the transforms need their library.
@@ -277,7 +278,7 @@ def test_the_error_that_parts_make_is_told_and_held() -> None:
 def test_parts_that_change_the_area_much_are_told_of() -> None:
     study = small("representative", contact__law="half-space", sliding__distance="60 mm")
     result = warpwear.run(study.replace({"stepping.area_error": 0.5, "disc.synthetic": {"kind": "flat"}}))
-    assert any("change the area by more than 10 %" in note for note in result.summary["warnings"])
+    assert any("changes the area by more than 10 %" in note for note in result.summary["warnings"])
 
 
 def sliding_ball(ra: float, shift: int, *, cell: str, passes: int, **changes: str) -> dict[str, FloatArray]:
@@ -360,3 +361,28 @@ def test_memory_is_looked_at_first(host_with: Callable[[float], None]) -> None:
     warpwear.run(small("full", sliding__distance="0 mm"))
     with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
         warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))
+
+
+def test_a_place_keeps_the_pressures_of_two_laps_that_were_made() -> None:
+    with Executor(GRID) as executor:
+        starts = Starts(executor, memory=1.0e6, places=3)
+        asked = [starts.lap_of("0 0", 1.0, LAP, keeps=True) for _ in range(2)]
+        assert asked[0] == asked[1]  # the first was not made
+        starts.note(["0 0"], 1.0)
+        second = starts.lap_of("0 0", 2.0, AHEAD, keeps=True)
+        assert (asked[0].ahead, second.ahead, second.row) == (None, 0.0, asked[0].row_before)
+        starts.note(["0 0"], 2.0)
+        third = starts.lap_of("0 0", 3.0, AHEAD, keeps=True)
+        assert (third.row, third.row_before, third.ahead) == (second.row_before, second.row, 1.0)
+        assert len(starts.stored) == 2 * GRID.nx
+
+
+@pytest.mark.parametrize(("cells", "expected"), [(2, 4 * 0.5 + 2 * 0.25), (None, None)])
+def test_the_area_of_steps_is_known_unless_one_stood_for_others(
+    cells: int | None, expected: float | None
+) -> None:
+    length = PartLength(study_of().contact_task, is_free=True)
+    length.keep({}, {})
+    length.note(0.1, 0, 0.5, 4)
+    length.note(0.1, 1, 0.25, cells)
+    assert length.kept == ({}, {}, [(0.1, 0), (0.1, 1)], expected)

@@ -254,7 +254,7 @@ def test_pieces_of_a_run_are_shown(tmp_path: Path) -> None:
     assert told["disc"]["per_minute"] == pytest.approx(20.0 * per_mm)
     assert told["counter"]["number"] == np.count_nonzero(result.pieces["body"] == 0.0)
     number = told["disc"]["number"]
-    assert f"wear in pieces: {number} off the disc, {told['counter']['number']} off the" in str(result)
+    assert f"worn particles: {number} of the disc, {told['counter']['number']} of the" in str(result)
     x, y = result.pieces["x"], result.pieces["y"]
     on_counter = result.pieces["body"] == 0.0
     assert np.abs(x[on_counter]).max() < 0.5 * 0.3

@@ -11,7 +11,7 @@ from scipy import ndimage
 
 import warpwear
 from warpwear import Result, Study
-from warpwear.history.quantities import EVOLUTION
+from warpwear.history.quantities import evolution_columns
 from warpwear.laws.courses import Settling
 from warpwear.results import evolution, summary_models
 from warpwear.results.evolution import (
@@ -37,7 +37,7 @@ def result() -> Result:
 
 def test_one_row_a_snapshot(result: Result) -> None:
     found = surface_evolution(result)
-    assert list(found.table) == [column.name for column in EVOLUTION]
+    assert list(found.table) == [column.name for column in evolution_columns(result.study)]
     assert found.table["distance"].tolist() == [0.003, 3.0, 30.0, 240.0]
     assert all(values.shape == (4,) for values in found.table.values())
 

@@ -24,7 +24,7 @@ WORN = [
 def test_lines_name_every_number_with_its_unit() -> None:
     assert lines(WORN) == [
         "  patch            0.38 × 0.36 mm (along × across)",
-        "  volume           0.0070867 ± 0.00035 mm³",
+        "  volume           0.00709 ± 0.00035 mm³",
         "  K                3.691e-4 mm³/(N·m)",
         "  bearing          Sk 0.9122 µm, Smr1 10.5 %",
         "  mean             below 1998 µm², above 0.9 µm²",

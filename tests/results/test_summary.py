@@ -26,29 +26,30 @@ def test_a_disc_at_rest_is_told_with_its_section_on_a_track() -> None:
     found = result.summary["on_a_track"]
     section = result.history["wear_volume_disc"][-1] / 5.0
     assert found == {"length_mm": 5.0, "section_um2": pytest.approx(1e6 * section, rel=1e-12)}
-    assert rows["depth"].endswith("of one spot of the disc, which stays under the load")
+    assert rows["deepest wear"].endswith("; the same spot of the disc stays under the load")
     for changes in ({"sliding.stroke": "100 mm"}, {"sliding.distance": "0 mm"}):  # no whole pass
         less, lines = rows_of(Study.load("v3-fine").replace(STILL | changes))
         assert "on_a_track" not in less.summary
-        assert ("depth" in lines) == ("sliding.stroke" in changes)
+        assert ("deepest wear" in lines) == ("sliding.stroke" in changes)
 
 
 def test_an_assumed_coefficient_of_friction_is_told() -> None:
     study = Study.load("v3-fine").replace(STILL)
     for changes, told in (
-        ({"friction.coefficient": 0.4}, "→ 0.400; the end is your input; its shear strength, "),
-        ({"friction.calibrate": "end"}, "→ 0.600; the end is assumed; its shear strength, "),
+        ({"friction.coefficient": 0.4}, "0.400 at the end (given); "),
+        ({"friction.calibrate": "end"}, "0.600 at the end (assumed); "),
     ):
         assert told in rows_of(study.replace(changes))[1]["friction"]
 
 
 def test_a_groove_is_told_by_its_section() -> None:
     result, rows = rows_of(small("representative", output__snapshots=["3 mm"], grid__cell="10 um"))
-    assert "one spot" not in rows["depth"]
+    assert "same spot" not in rows["deepest wear"]
     groove = result.summary["track"]["groove"]
     assert groove["mean_depth_um"] < groove["deepest_um"]
     deepest = result.summary["depth_um"]["disc"]
-    assert rows["depth"].startswith(f"disc {deepest:.3g} (mean section {groove['deepest_um']:.3g}), ball ")
+    section = f"(mean section of its groove {groove['deepest_um']:.3g} µm)"
+    assert rows["deepest wear"].startswith(f"disc {deepest:.3g} µm {section}; ball ")
 
 
 def test_details_have_every_number_of_the_summary() -> None:
@@ -73,6 +74,19 @@ def test_the_area_is_told_as_the_verdict_has_it() -> None:
         verdict = result.summary["verdict"]
         area = verdict["area_corrected_mm2"] or result.summary["area_mm2"]["contact"]
         assert rows["area in contact"].startswith(f"{area:.4g} mm² {verdict['area']}")
+
+
+def test_what_to_do_next_is_told() -> None:
+    """Of a part of the error that nobody looked at, or of the largest, the key that shows more of it."""
+    study = small("representative", output__snapshots=[])
+    result, rows = rows_of(study)
+    largest = next(iter(result.summary["verdict"]["area_parts"]))
+    key = {"cells": "grid.cell", "step": "sliding.shift"}[largest]
+    assert f"may be off by over 10 %; next: run again with half of {key}" in rows["trust"]
+    unknown = rows_of(study.replace({"checks.step_probe": False}))[1]["trust"]
+    assert "the area's error is not known; next: run again with half of sliding.shift" in unknown
+    still = Study.load("v1").replace({"grid.cell": "20 um", "sliding.distance": "30 mm"})
+    assert "run again with half of stepping.increment" in rows_of(still)[1]["trust"]
 
 
 def test_what_is_not_known_between_patches_is_left_open() -> None:

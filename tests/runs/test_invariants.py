@@ -30,6 +30,7 @@ SMALL = {
     "grid.cell": "20 um",
     "sliding.distance": "0.3 mm",
     "output.snapshots": ["0.2 mm"],
+    "output.precision": "double",
     "stepping.growth": 1.2,
     "run.checkpoint": "0 s",
 }

@@ -54,15 +54,16 @@ def test_a_hardness_that_plays_no_part_says_so() -> None:
 def test_a_coefficient_without_a_unit_says_whose_hardness_it_takes() -> None:
     bare = Study.load("v3-fine").replace({"wear.counter": 1e-4})
     assert bare.notices() == [
-        "wear.counter = 0.0001: k of V = k F L / H, with one H for both bodies, contact.hardness = 590 MPa; "
-        "a K has a unit, such as '1e-4 mm^3/N/m'."
+        "wear.counter = 0.0001 without a unit: k of V = k F L / H, for both bodies with contact.hardness = "
+        "590 MPa. A K has one, such as '1e-4 mm^3/N/m'."
     ]
     nested = bare.replace({"wear.disc": 2e-4, "counter.hardness": "3 GPa"}).model_dump(exclude_unset=True)
     del nested["contact"]["hardness"]
     softer = Study(**nested)
     assert softer.wear_coefficients == pytest.approx((1e-4 / 1520.0, 2e-4 / 1520.0))
     assert any(
-        "wear.counter = 0.0001 and wear.disc = 0.0002: k" in n and "1520 MPa" in n for n in softer.notices()
+        "wear.counter = 0.0001 and wear.disc = 0.0002 without a unit: k" in n and "1520 MPa" in n
+        for n in softer.notices()
     )
     assert Study.load("v3-fine").replace({"wear.counter": 0}).notices() == []
 
@@ -171,22 +172,22 @@ def test_a_coefficient_that_is_given_is_called_an_input() -> None:
         area = result.history["area_contact"][-1 if when == "end" else 0]
         assert summary["shear_strength_MPa"] == pytest.approx(0.55 * 8.0 / area)
         text = str(result)
-        assert f"; {'the end' if when == 'end' else 'the start'} is your input; its shear strength, " in text
-        assert text.count("your input;") == 1
+        assert f" at {'the end' if when == 'end' else 'first'} (given)" in text
+        assert text.count("(given)") == 1
         assert ("An input" in result._repr_html_()) == (when == "end")
         title = result.plot.cof().axes[0].get_title()
         assert "calibrated to 0.55" in title
         ends[when] = summary["shear_strength_MPa"], text
     limit = 1520.0 / (3.0 * math.sqrt(3.0))  # AISI 304, the softer of the two
     assert ends["end"][0] < limit < ends["initial"][0]
-    assert "MPa, is more than the softer body bears" in ends["initial"][1]
+    assert "MPa, more than the softer body bears" in ends["initial"][1]
     assert "softer body bears" not in ends["end"][1]
-    assert "predicts other loads" in ends["end"][1]
+    assert "for other loads, give its shear strength instead: " in ends["end"][1]
     given = warpwear.run(study)
     assert given.summary["cof_input"] is None
     assert given.summary["shear_strength_MPa"] == 3.83
-    assert "follows the area, by a shear strength of 3.83 MPa that is assumed" in str(given)
-    assert "your input;" not in str(given)
+    assert " at the end: area × shear strength of 3.83 MPa (assumed) / load" in str(given)
+    assert "(given)" not in str(given)
     assert "calibrated" not in given.plot.cof().axes[0].get_title()
 
 

@@ -231,7 +231,7 @@ def test_patches_on_a_part_of_the_area_know_the_scar_to_a_macro_cell() -> None:
     some = {"grid.extent": "2.1 mm", "patches.macro_cell": "300 um", "patches.width": "100 um"}
     study = Study.load("two-scale").replace(some)
     (told,) = [notice for notice in study.notices() if notice.startswith("patches.width = 100 µm")]
-    assert told.endswith("off by up to a macro cell on each side, and so what follows from them.")
+    assert told.endswith("off by up to a macro cell on each side, and so is what follows from them.")
     assert Study.load("two-scale").notices() == []
 
 
@@ -244,7 +244,7 @@ def test_a_study_shows_itself_in_one_line() -> None:
 def test_a_notebook_shows_a_study_with_its_assumptions_marked() -> None:
     study = Study.load("v3-fine").replace({"study.description": "<script>alert(1)</script>"})
     html = study._repr_html_()
-    assert html.count("# ASSUMED: ") == len(study.assumptions) == 22
+    assert html.count("# ASSUMED: ") == len(study.assumptions) == 28
     assert "\nshear_strength = " in html
     assert "<script" not in html
     assert repr(study).startswith("<Study 'v3-fine': micro model, local law")

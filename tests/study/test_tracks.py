@@ -19,7 +19,7 @@ def test_a_rigid_contact_on_a_track_is_warned_of() -> None:
     study = small("full")
     assert told(study)
     assert any(
-        "the cure is contact.law = 'half-space'" in note
+        "Take contact.law = 'half-space'" in note
         for note in warpwear.run(study.replace({"sliding.distance": "0.3 mm"})).summary["warnings"]
     )
     for changes in (

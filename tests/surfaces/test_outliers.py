@@ -120,12 +120,12 @@ def test_a_spike_that_was_left_is_told_of(rough, tmp_path):
             tmp_path / "disc.npy", Preparation(**preparation), pixel=PIXEL, height_unit="mm"
         )
         middle = np.linspace(-0.1, 0.1, 100)
-        return [notice for notice in surface.notices(middle, middle) if "may be a spike" in notice]
+        return [notice for notice in surface.notices(middle, middle) if "spikes of an instrument" in notice]
 
     heights, _ = spiked(rough, (60, 70))
     (notice,) = told(heights)
     assert "stands 1" in notice
-    assert "disc.outliers, 6 for example" in notice
+    assert "disc.outliers, such as 6" in notice
     assert not told(heights, outliers=6.0)
     assert not told(rough)
     assert not told(2.0 * rough - heights)

@@ -149,9 +149,20 @@ def test_sobol_indices_are_those_of_scipy() -> None:
     assert found.total == pytest.approx(exact.total_order, abs=1e-12)
 
 
-def test_bootstrap_interval_holds_the_truth() -> None:
-    low, high = sobol(ishigami(256, seed=1), 3).total_interval
-    assert np.all((low <= TOTAL) & (high >= TOTAL))
+@pytest.mark.parametrize("samples", [16, 64, 256])
+def test_an_interval_holds_the_truth_as_often_as_it_says(samples: int) -> None:
+    """Of 100 designs, and at 256 samples it is shorter than that of a bootstrap, ± 0.17."""
+    found = np.array([sobol(ishigami(samples, seed=seed), 3).total_interval for seed in range(100)])
+    held = (found[:, 0] <= TOTAL) & (found[:, 1] >= TOTAL)
+    assert held.mean() >= 0.9
+    if samples == 256:
+        assert 0.5 * np.median(found[:, 1] - found[:, 0], axis=0).max() < 0.15
+
+
+def test_an_input_without_influence_is_known_to_have_none() -> None:
+    found = sobol(np.tile(ishigami(64, seed=1).reshape(5, -1)[0], 5) + np.repeat([0, 1, 0, 1, 0], 64), 3)
+    assert found.total[[0, 2]].tolist() == [0.0, 0.0]
+    assert found.total_interval[:, [0, 2]].tolist() == [[0.0, 0.0], [0.0, 0.0]]
 
 
 def test_samples_without_a_value_are_left_out_whole() -> None:

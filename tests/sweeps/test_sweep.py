@@ -172,7 +172,7 @@ def test_two_keys_have_colours_and_kinds_of_line(swept: Any) -> None:
     assert len({line.get_color() for line in lines}) == 4
     named = [text.get_text() for text in figure.legends[0].get_texts()]
     assert named == ["load 4 N", "load 8 N", "hardness 590 MPa", "hardness 1200 MPa"]
-    assert figure.axes[0].get_title() == "mean and 5–95 % of 3 runs"
+    assert figure.axes[0].get_title() == "mean and least to most of 3 runs"
     assert swept.influence()["disc.synthetic.seed"] >= 0.0  # no order, no rank
 
 

@@ -71,6 +71,7 @@ def recession(history: dict[str, FloatArray]) -> FloatArray:
 def headline(cell: int, device: str) -> Result:
     """v3-fine. cell: [µm]."""
     changes = {"grid.cell": f"{cell} um", "output.snapshots": [f"{s} mm" for s in STOPS]}
+    changes |= {"output.precision": "double"}
     return run(Study.load("v3-fine").replace(changes), device=device, plots=False)
 
 

@@ -107,7 +107,7 @@ def make_runs(
                     point = plan.points[waiting[future][0]]
                     on_warning(
                         f"run {point.number} has taken {lasting(took)}, the longest of the others "
-                        f"{lasting(longest)}: its process may hang ({folder / RUNS / point.run})"
+                        f"{lasting(longest)}: it is still working ({folder / RUNS / point.run})"
                     )
             for future in done:
                 row = _row(future)

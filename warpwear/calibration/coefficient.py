@@ -7,7 +7,7 @@ from typing import Any
 
 from warpwear.calibration.measurements import Tests, Value, checked_tests
 from warpwear.calibration.repeated import Repeated
-from warpwear.calibration.wear import LARGEST, WornVolume, wear_coefficient
+from warpwear.calibration.wear import LARGEST, WornVolume, mean_of_places, wear_coefficient
 from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.options import optional
@@ -248,11 +248,15 @@ def calibrate_wear(
         for key, what in (("load", "the normal load, such as '8 N'"), ("distance", "such as '2400 mm'")):
             if getattr(test, key) is None:
                 raise InputError(f"{named}.{key} is missing: {what}")
-    worn = [worn_volume(t, name, named, preparation=preparation or {}) for named, t in taken.items()]
+    places: dict[str, list[WornVolume]] = {}
+    for named, test in taken.items():
+        worn = worn_volume(test, name, named, preparation=preparation or {})
+        places.setdefault(test.name or named, []).append(worn)
+    single = {test.name or named: test for named, test in taken.items()}.values()
     return WearCalibration(
-        volumes=tuple(worn),
-        loads=tuple(test.load for test in taken.values() if test.load),
-        distances=tuple(test.distance for test in taken.values() if test.distance),
+        volumes=tuple(mean_of_places(volumes) for volumes in places.values()),
+        loads=tuple(test.load for test in single if test.load),
+        distances=tuple(test.distance for test in single if test.distance),
         hardness=optional("--hardness", hardness, "MPa"),
         relation=relation,
         worn=SOURCES[name].worn,

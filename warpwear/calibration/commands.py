@@ -21,7 +21,7 @@ from warpwear.results.report import to_json
 SOURCES = {"--volume": "volume", "--diagonals": "scar", "--scar": "scar", "--width": "width"}
 SOURCES |= {"--section": "section", "--track": "profile", "--after": "after", "--ball": "ball"}
 #: Options whose key has the same name.
-SAME = ("--load", "--radius", "--track-radius", "--track-width", "--length")
+SAME = ("--load", "--radius", "--track-radius", "--track-width", "--track-length")
 #: Options of a fit of three states.
 STATES = ("columns", "radius", "stroke", "speed", "load", "until", "as_json")
 _KEY = re.compile(r"\btest\.\d+\.(\w+)")
@@ -118,8 +118,8 @@ def _add_stroke(alike: dict[str, Any], o: Options, *, grooves: set[str]) -> None
     """Take a groove as long as the stroke unless told otherwise. Raises InputError."""
     stroke = o["--stroke"]
     if grooves and stroke is not None:
-        length = quantity("--length", alike.setdefault("length", stroke), "mm")
+        length = quantity("--track-length", alike.setdefault("track_length", stroke), "mm")
         if o["--standard"] == "g133-flat" and not math.isclose(length, quantity("--stroke", stroke, "mm")):
-            raise InputError(f"--length {length:g} mm is not --stroke {stroke}, which g133-flat takes")
+            raise InputError(f"--track-length {length:g} mm is not --stroke {stroke}, which g133-flat takes")
     if not grooves and stroke is not None and o["--passes"] is None:
         raise InputError("--stroke needs --passes")

@@ -1,11 +1,14 @@
 """A measured fretting loop tells the coefficient of friction, the slip, and what the rig yields."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.calibration.measurements import Tests
 from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
@@ -18,6 +21,8 @@ from warpwear.measured.report import Report
 from warpwear.results.report import Row, times
 from warpwear.study.study import Study
 
+signal = lazy.module("scipy.signal")
+
 #: Part of the way from a tip to the other force over which unloading is taken as a straight line.
 STRAIGHT = 0.25
 #: Fewest points of a loop, and of the straight line behind each of its tips.
@@ -26,6 +31,17 @@ FEWEST, FEWEST_STRAIGHT = 20, 4
 PARTIAL = 0.2
 #: Energy over Q Δ up to which a line that is gone to and fro has one, by rounding.
 ROUNDING = 1.0e-9
+#: Numbers that have errors -> what these are multiplied with for people.
+ERRORS = {"coefficient": 1.0, "force": 1.0, "slip": 1e3, "energy": 1.0, "compliance": 1e3}
+#: Key of a row -> number whose error it has.
+ERRORS_OF = {"coefficient": "coefficient", "force_N": "force", "stroke_um": "slip", "energy_mJ": "energy"}
+ERRORS_OF |= dict.fromkeys(("compliance_um_per_N", "rig_compliance_um_per_N"), "compliance")
+#: Error as a part of a number up to which it is that of written digits.
+EXACT = 1e-6
+#: Part of the points that half of a window has at most.
+SMOOTH = 60
+#: Loops with the scatter of their points once more, from which come the errors.
+COPIES = 100
 #: Key of a test -> option.
 KEYS = {"loop": "tests", "load": "load"}
 
@@ -37,7 +53,7 @@ class LoopCalibration(Report):
     Attributes
     ----------
     force, load : float
-        Largest friction force, and normal load [N].
+        Friction force at the tips, and normal load [N].
     slip, travel : float
         Width of the loop at no force, and what the drive moves to and fro [mm].
     energy : float
@@ -48,6 +64,8 @@ class LoopCalibration(Report):
         Points of the cycle.
     source : str
         The file.
+    errors : dict
+        Standard uncertainties of these numbers by their names, from the scatter of the points.
     """
 
     source: str
@@ -59,10 +77,11 @@ class LoopCalibration(Report):
     energy: float
     compliance: float
     contact: float | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def energy_ratio(self) -> float:
-        """Return the energy over 4 Q Δ of the largest force and displacement."""
+        """Return the energy over 4 Q Δ of force and displacement of the tips."""
         return self.energy / (2.0 * self.force * self.travel)
 
     @property
@@ -80,14 +99,14 @@ class LoopCalibration(Report):
         """Declare the coefficient of friction. Raises InputError for partial slip, which tells none."""
         if self.coefficient is None:
             raise InputError(f"{self.source} is a loop of partial slip, which tells no coefficient")
-        return Row("coefficient", "coefficient", self.coefficient)
+        return Row("coefficient", "coefficient", self.coefficient, error=self.errors.get("coefficient"))
 
     def _title(self) -> str:
         return f"one cycle of {self.points} points"
 
     def __repr__(self) -> str:
         least, slip = self.force / self.load, 1e3 * self.slip
-        return f"<fretting loop: slip {slip:.4g} µm, largest force over the load {least:.3g}>"
+        return f"<fretting loop: slip {slip:.4g} µm, force of the tips over the load {least:.3g}>"
 
     def _rows(self) -> list[Row]:
         partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
@@ -98,7 +117,7 @@ class LoopCalibration(Report):
             Row("load F", "load_N", self.load),
             Row("", "points", self.points),
             Row("coefficient", "coefficient", self.coefficient),
-            Row("least coefficient", "coefficient_least", least, note="the largest force over the load"),
+            Row("least coefficient", "coefficient_least", least, note="the force of the tips over the load"),
             Row("force", "force_N", self.force),
             Row("slip", "stroke_um", 1e3 * self.slip, note="width at no force: sliding.stroke"),
             Row(
@@ -115,6 +134,10 @@ class LoopCalibration(Report):
             note = "(Mindlin, unworn)"
             rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
             rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
+        factors = {name: times(factor, self.errors.get(name)) for name, factor in ERRORS.items()}
+        errors = {key: factors[name] for key, name in ERRORS_OF.items()}
+        errors["coefficient_least"] = times(1.0 / self.load, factors["force"])
+        rows = [replace(row, error=errors.get(row.key)) for row in rows]
         keys = f'[sliding] force = "{self.force:.4g} N"'
         if self.coefficient is not None:
             law = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}'
@@ -163,7 +186,7 @@ def calibrate_loop(
     >>> rows, names = np.column_stack([20.0 * np.cos(angle), force]), "Displacement [um],Friction force [N]"
     >>> np.savetxt("loop.csv", rows, delimiter=",", header=names, comments="")
     >>> warpwear.calibrate_loop("loop.csv", load="20 N")
-    <fretting loop: slip ... µm, largest force over the load 0.6>
+    <fretting loop: slip ... µm, force of the tips over the load 0.6>
     """
     if study is not None and load is not None:
         raise InputError("--load and --study exclude each other: the study has its load")
@@ -174,7 +197,25 @@ def calibrate_loop(
         return each_test(calibrate_loop, tests, KEYS, {"load": load, "study": known})
     place, friction = _read(Path(tests))
     normal = Options(load=load).load if known is None else known.contact.load
-    return _of_loop(place, friction, source=str(tests), load=normal, contact=_of_contact(known))
+    about: Any = {"source": str(tests), "load": normal, "contact": _of_contact(known)}
+    loop, random = _of_loop(place, friction, **about), np.random.default_rng(0)
+    copies: list[LoopCalibration] = []
+    for _ in range(COPIES):
+        with suppress(InputError):
+            copies.append(
+                _of_loop(
+                    *(v + _scatter(v) * random.standard_normal(v.size) for v in (place, friction)), **about
+                )
+            )
+    known_of = [name for name in ERRORS if all(getattr(copy, name) is not None for copy in copies)]
+    errors = {name: float(np.std([getattr(copy, name) for copy in copies])) for name in known_of if copies}
+    told = {name: error for name, error in errors.items() if error > EXACT * abs(getattr(loop, name) or 0.0)}
+    return replace(loop, errors=told)
+
+
+def _scatter(values: FloatArray) -> float:
+    """Return the deviation of points about a smooth course, by the middle one of their second differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / 6.0**0.5)
 
 
 def _read(file: Path) -> tuple[FloatArray, FloatArray]:
@@ -198,15 +239,15 @@ def _read(file: Path) -> tuple[FloatArray, FloatArray]:
 def _of_loop(place: FloatArray, force: FloatArray, **more: Any) -> LoopCalibration:
     """Measure a loop. more: other fields of the result. Raises InputError for one without an area."""
     energy = Loop(1, place, force).energy
-    tip, most = float(place.max()), float(force.max())
     crossings = _at_no_force(place, force)
-    if energy <= ROUNDING * most * tip or crossings.size < 2:
+    if energy <= ROUNDING * force.max() * place.max() or crossings.size < 2:
         raise InputError("the loop does not enclose an area about no force: a whole cycle is needed")
+    sides = crossings > 0.5 * (crossings.min() + crossings.max())  # of noisy points each is crossed often
     return LoopCalibration(
         points=int(place.size),
-        force=most,
-        slip=float(np.ptp(crossings)),
-        travel=2.0 * tip,
+        force=_at_tips(place, force),
+        slip=float(crossings[sides].mean() - crossings[~sides].mean()),
+        travel=float(np.ptp(place)),
         energy=energy,
         compliance=_compliance(place, force),
         **more,
@@ -221,13 +262,36 @@ def _at_no_force(place: FloatArray, force: FloatArray) -> FloatArray:
     return np.asarray(place[crosses] + part * (there[crosses] - place[crosses]))
 
 
+def _from_tips(place: FloatArray, force: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, int]]:
+    """Give displacement and force, towards the tip positive, from either tip on around the loop.
+
+    A tip is where both are largest, smoothed over a window as far as they scatter, which is the third.
+    """
+    both = place / np.ptp(place) + force / np.ptp(force)
+    steps = 2.0 * _scatter(both) / float(np.mean(np.abs(np.diff(both))))
+    window = 2 * min(int(steps), place.size // SMOOTH) + 1
+    smooth = signal.savgol_filter(both, window, 2, mode="wrap") if window > 2 else both
+    for sign in (1.0, -1.0):
+        start = int(np.argmax(sign * smooth))
+        yield np.roll(sign * place, -start), np.roll(sign * force, -start), window
+
+
+def _at_tips(place: FloatArray, force: FloatArray) -> float:
+    """Return the force at the tips by straight lines through what leads to them, the mean of both.
+
+    What chose the tip is left out: it is the largest by its scatter, too.
+    """
+    ends = []
+    for _, q, window in _from_tips(place, force):
+        back = window // 2 + np.arange(2 * window)
+        ends.append(np.polyfit(back, np.roll(q[::-1], 1)[back], 1)[1])
+    return float(np.mean(ends))
+
+
 def _compliance(place: FloatArray, force: FloatArray) -> float:
     """Return the compliance [mm/N] as unloading begins, the mean of both tips. Raises InputError."""
     slopes = []
-    for sign in (1.0, -1.0):
-        x, q = sign * place, sign * force
-        start = int(np.argmax(x))
-        x, q = np.roll(x, -start), np.roll(q, -start)
+    for x, q, _ in _from_tips(place, force):
         steps = int(np.argmax(q < (1.0 - 2.0 * STRAIGHT) * q.max()))
         if steps < FEWEST_STRAIGHT:
             raise InputError(f"{steps} points lie behind a tip of the loop: {FEWEST_STRAIGHT} are needed")

@@ -97,12 +97,12 @@ class MeasuredTest(Section):
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
-    name: str | None = key(None, "of the test; for `repeats` entries of one name are places of one test")
+    name: str | None = key(None, "of the test: entries of one name are places of it, whose mean counts once")
     load: Force = key(None, "normal load")
     distance: Distance = key(None, "sliding distance")
     radius: Length | None = key(None, "radius of the ball")
     track_radius: Length | None = key(None, "radius of the circle that the track runs on")
-    length: Length | None = key(None, "length of the whole track")
+    track_length: Length | None = key(None, "length of the whole track")
     stroke: Distance = key(None, "length of one stroke, where a record has no position, for `repeats`")
     speed: Speed = key(None, "sliding speed, where a record has a time alone, for `repeats`")
     track_width: Length | None = key(
@@ -129,6 +129,11 @@ class MeasuredTest(Section):
         None, "file of the same place before the test, for `profile` and `after`", is_file=True
     )
     ball: File = key(None, "file of the topography of the worn ball", is_file=True)
+
+    @property
+    def way_of_groove(self) -> float | None:
+        """Return the length of the whole track [mm], of a circle 2πR; None where neither is known."""
+        return self.track_length or (self.track_radius and 2.0 * math.pi * self.track_radius)
 
 
 Tests: TypeAlias = str | Path | Sequence[Mapping[str, Any]]
@@ -173,7 +178,7 @@ def checked_tests(tests: Tests, **alike: Any) -> dict[str, MeasuredTest]:
 def check_conditions(test: MeasuredTest, named: str, study: Study) -> None:
     """Raise InputError for a test that is not the study's own."""
     own = tests_of([conditions_of(study)])[0]
-    for name in ("load", "distance", "radius", "length", "track_radius"):
+    for name in ("load", "distance", "radius", "track_length", "track_radius"):
         here, there = getattr(test, name), getattr(own, name)
         if isinstance(here, Value):
             if here.error is not None:
@@ -186,7 +191,7 @@ def check_conditions(test: MeasuredTest, named: str, study: Study) -> None:
 def conditions_of(study: Study) -> dict[str, Any]:
     """Return what a study says of a test, as a table of it has it: load, distance and lengths."""
     sliding, load = study.sliding, study.contact.load
-    lengths = {"radius": study.counter.nominal_radius, "length": sliding.stroke}
+    lengths = {"radius": study.counter.nominal_radius, "track_length": sliding.stroke}
     lengths["track_radius"] = sliding.track_radius
     known = {name: (size, "mm") for name, size in lengths.items() if size and math.isfinite(size)}
     return {"load": Value(load), "distance": Value(sliding.total)} | known

@@ -168,8 +168,8 @@ def repeats(
     ----------
     tests : list of path or dict, or path
         Records of friction, TOML files with a list ``[[test]]``, or tables as of that list, such as
-        ``{"record": "test-1.csv", "profile": "track-1.txt", "length": "30 mm", "load": "5 N"}``: the keys are
-        those that docs/reference/keys.md explains. Entries with one ``name`` are places of one test.
+        ``{"record": "test-1.csv", "profile": "track-1.txt", "track_length": "30 mm", "load": "5 N"}``: the
+        keys are those that docs/reference/keys.md explains. Entries with one ``name`` are places of one test.
     than : list of path or dict, or path, optional
         Tests of another pair, to which differences are told.
     at : dict, optional
@@ -291,7 +291,7 @@ def _read(tests: Any, *, given: Mapping[str, Any], how: Mapping[str, Any]) -> tu
 def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -> list[PairTest]:
     """Read what was measured in one entry: the whole with what is worn, and a place for each step."""
     steps, notes = _steps(test, how)
-    sizes = {key: getattr(test, key) for key in (*CONDITIONS, "distance", "length")}
+    sizes = {key: getattr(test, key) for key in (*CONDITIONS, "distance", "track_length")}
     known = {key: size.value if isinstance(size, Value) else size for key, size in sizes.items() if size}
     places = [_of_step(step, name, known) for step in steps]
     whole = {"load": how["load"] or math.nan}
@@ -300,11 +300,11 @@ def _places(test: MeasuredTest, name: str, named: str, how: Mapping[str, Any]) -
         work = sum((step.load or whole["load"]) * step.slid for step in steps)
         whole = {**places[0].conditions, "load": work / slid, "distance": slid}
         if len({step.track for step in steps}) > 1:
-            whole.pop("length", None)  # of several tracks
+            whole.pop("track_length", None)  # of several tracks
     if test.track_radius:
-        whole["length"] = 2.0 * math.pi * test.track_radius
+        whole["track_length"] = 2.0 * math.pi * test.track_radius
     whole |= known
-    test = test.model_copy(update={"length": whole.get("length")})
+    test = test.model_copy(update={"track_length": whole.get("track_length")})
     values = {}
     if test.friction and test.friction.at:
         raise InputError(f"{named}.friction is at a distance: allowed is that of the whole test")
@@ -349,7 +349,7 @@ def _of_step(step: RecordStep, name: str, known: Mapping[str, float]) -> PairTes
         count = laps.count(events.jump.start)
         if events.steady is not None:
             values["overshoot"] = Value(events.overshoot or 0.0, events.steady.error)
-    own = {"load": step.load, "speed": step.speed, "length": step.track}
+    own = {"load": step.load, "speed": step.speed, "track_length": step.track}
     conditions = {key: size for key, size in own.items() if size} | dict(known)
     return PairTest(name, conditions, values, (1e-3 * (step.before + laps.distance), laps.cof), count)
 

@@ -26,7 +26,7 @@ WORDS = {
     "cumulative": "running sum",
     "nominal": "nominal (the scar as an ellipse)",
 }
-INDEPENDENT = "points scatter as much: the errors allow for scatter that goes together"
+INDEPENDENT = "points would tell τ0 as well: the errors allow for scatter that goes together"
 #: Key of a test -> option.
 KEYS = {"friction": "cof", "record": "experiment", "load": "load", "area": "area"}
 ADVICE = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"

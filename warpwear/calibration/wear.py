@@ -5,10 +5,12 @@ under their names: both take one body as unworn, G99 the disc for its ball and t
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from warpwear.calibration.measurements import Value
+from warpwear.calibration.scatter import Scatter
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
 
@@ -50,6 +52,19 @@ def wear_coefficient(worn: WornVolume, load: Value, distance: Value) -> Value:
     k = worn.volume / (load.value * distance.value)
     others = [k * (each.error or 0.0) / each.value for each in (load, distance)]
     return Value(k, None if worn.error is None else math.hypot(k * worn.error / worn.volume, *others))
+
+
+def mean_of_places(volumes: Sequence[WornVolume]) -> WornVolume:
+    """Make one volume of those that several places of one test came to."""
+    if len(volumes) == 1:
+        return volumes[0]
+    mean = Scatter([each.volume for each in volumes], [each.error for each in volumes])
+    return WornVolume(
+        volume=mean.mean,
+        error=mean.error,
+        error_from="the larger of their scatter and their own errors",
+        measured=f"mean of {len(volumes)} places of one test: {'; '.join(each.measured for each in volumes)}",
+    )
 
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
@@ -116,15 +131,15 @@ def circular_track(
     )
 
 
-def groove(section: float, *, length: float, error: float | None = None) -> WornVolume:
-    """Find the volume of a straight groove: section [mm²] × length [mm] (ASTM G133: mean section × stroke).
+def groove(section: float, *, track_length: float, error: float | None = None) -> WornVolume:
+    """Find the volume of a straight groove, section [mm²] × length [mm] (ASTM G133: mean section × stroke).
 
     error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
     """
     return WornVolume(
-        volume=section * length,
-        **_uncertainty(error, length),
-        measured=f"section {1e6 * section:.6g} µm² × {length:g} mm",
+        volume=section * track_length,
+        **_uncertainty(error, track_length),
+        measured=f"section {1e6 * section:.6g} µm² × {track_length:g} mm",
     )
 
 

@@ -36,8 +36,12 @@ SOURCES = {
     "volume_disc": Source("a measured volume", "disc"),
     "scar": Source("diameter of the worn patch; flat cap", "counter", needs=("radius",)),
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
-    "section": Source("cross-section of a groove × length", "disc", needs=("length",)),
-    "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
+    "section": Source(
+        "cross-section of a groove × length", "disc", needs=("track_length",), may_have=("track_radius",)
+    ),
+    "profile": Source(
+        _TRACK, "disc", needs=("track_length",), may_have=("track_width", "track_radius"), file="track"
+    ),
     "after": Source(_AFTER, "disc", file="scar"),
     "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
 }
@@ -61,7 +65,7 @@ def worn_volume(
     _check(test, source, named, preparation)
     if kind.file is not None:
         return _of_file(kind.file, value, test, preparation)
-    (size, error), needed = size_and_error(value), {name: getattr(test, name) for name in kind.needs}
+    (size, error), needed = size_and_error(value), {name: _needed(test, name) for name in kind.needs}
     match source:
         case "scar":
             known = any(each.error is not None for each in value)
@@ -73,12 +77,21 @@ def worn_volume(
     return volumes.volume_given(size, error=error)
 
 
+def _needed(test: MeasuredTest, name: str) -> Any:
+    """Return a length that a source needs."""
+    return test.way_of_groove if name == "track_length" else getattr(test, name)
+
+
 def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation) -> None:
     """Raise InputError for keys of a test, or a preparation, that do not go with what was measured."""
     kind, label = SOURCES[source], f"{named}.{source}"
     for name in kind.needs:
-        if getattr(test, name) is None:
-            which = "that of the whole track, such as '30 mm'" if name == "length" else "such as '3 mm'"
+        if _needed(test, name) is None:
+            which = (
+                "that of the whole track, such as '30 mm', or track_radius"
+                if name == "track_length"
+                else "such as '3 mm'"
+            )
             raise InputError(f"{label} needs {named}.{name}, {which}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
     if kind.file is None and prepared:
@@ -99,13 +112,13 @@ def _of_file(kind: Kind, file: Any, test: MeasuredTest, preparation: Preparation
     worn = worn_in(Path(file), kind, preparation, before=before, **sizes)
     body, depth, more = worn.body, worn.body.depth, ""
     if kind == "track":
-        length = test.length or 0.0
+        length = test.way_of_groove or 0.0
         if length < body.length * (1.0 - 1e-9):
             raise InputError(
-                f"length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
+                f"track_length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
             )
         if body.net.size == 1:
-            more = ", but not how sections scatter along the track, which several profiles tell"
+            more = ", but not how sections scatter along the track: list more profiles of it under one name"
         elif body.length < 0.9 * length:
             more = f", and how sections scatter along the measured {body.length:.4g} mm"
         volume, error = body.volume(length)

@@ -25,8 +25,17 @@ SOURCES = together(
     repeated("--volume", "V", "A worn volume, e.g. '0.018 mm^3' or '0.018 +- 0.001 mm^3'."),
     repeated("--scar", "D", "Diameter of a flat scar on a ball. Needs --radius."),
     repeated("--width", "D", "Width of a circular track. Needs --radius and --track-radius."),
-    repeated("--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
-    repeated("--track", "FILE", "Topography of a worn track, or profile of it. Needs --length.", type=PATH),
+    repeated(
+        "--section",
+        "A",
+        "Cross-section of a groove, '812.8 um^2'. Needs --track-length or --track-radius.",
+    ),
+    repeated(
+        "--track",
+        "FILE",
+        "Topography of a worn track, or profile. Needs --track-length or --track-radius.",
+        type=PATH,
+    ),
     repeated("--after", "FILE", "Topography of a disc's scar. Needs --before.", type=PATH),
     repeated("--before", "FILE", "--track, --after: the same place before the test, one a test.", type=PATH),
     repeated("--ball", "FILE", "Topography of a worn ball, with or without --radius.", type=PATH),
@@ -36,7 +45,7 @@ SOURCES = together(
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 def calibrate() -> None:
-    """Turn measurements after a test into what a study asks for."""
+    """Find wear coefficients, shear strengths and other numbers of a study from measurements."""
 
 
 @calibrate.command()
@@ -49,7 +58,9 @@ def calibrate() -> None:
 @click.option("--diameter", metavar="D", help="Diameter of the ball, e.g. '6 mm', instead of --radius.")
 @click.option("--track-radius", metavar="R", help="Radius of the circle that the track runs on.")
 @click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
-@click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")
+@click.option(
+    "--track-length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]"
+)
 @click.option("--uncertainty", metavar="U", help=UNCERTAINTY)
 @click.option(
     "--source", metavar="KEY", help="FILE: which of several measurements to take; 'coat' for two K."
@@ -138,7 +149,9 @@ def energy(**options: Any) -> None:
 @LOAD
 @AS_JSON
 def loop(**options: Any) -> None:
-    """Find μ, the slip and the rig's compliance from a cycle of fretting: FILE has displacement and force.
+    """Find μ, the slip and the rig's compliance from a cycle of fretting: FILE has two columns.
+
+    They are called displacement and friction force, with their units.
 
     Or it is a TOML file with tables [[test]], each with such a file, loop, and its load.
 

@@ -14,13 +14,21 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.argument("files", metavar="FILE...", nargs=-1, type=PATH)
 @together(*IN_TESTS.values())
 @click.option("--ball-radius", help="--scar, --ball: of the unworn ball, e.g. '3 mm'.")
-@click.option("--length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
+@click.option("--track-length", help="--profile, --section: of the whole track. [default: 2 pi --radius]")
 @click.option("--distance", help="Sliding distance, where there is no record.")
 @click.option("--radius", help="Radius of the track, e.g. '6 mm'.")
 @READING
-@repeated("--than", "FILE", "A test of another pair, or a list of them: the difference to it.", type=PATH)
+@repeated(
+    "--than", "FILE", "A test of another pair, or a list of tests, to tell the difference to.", type=PATH
+)
 @repeated("--at", "KEY=VALUE", "Condition of the next test, e.g. 'load=10 N': a trend is taken over it.")
-@click.option("--wanted", type=float, default=0.05, show_default=True, help="Error, as a part of the mean.")
+@click.option(
+    "--wanted",
+    type=float,
+    default=0.05,
+    show_default=True,
+    help="Error of the mean, as a part of it, for which tests still needed are counted.",
+)
 @with_preparation()
 @click.option("--out", type=PATH, help="Folder for page, table and figure. [default: repeats]")
 @FORMAT
@@ -33,14 +41,14 @@ def repeats(files: tuple[Path, ...], **options: Any) -> None:
     volume and conditions of each. Scars, profiles and volumes may be given here, too, in the order of the
     tests. Prints the sentence for a paper; level, incubation, jump, overshoot
     and wear coefficients with their scatter and the next test's interval; and which test the others
-    foretell the worst.
+    predict worst.
 
     \b
     warpwear repeats test-1.csv test-2.csv --profile track-1.txt --profile track-2.txt --radius "6 mm"
     """
     tests: Any = files
     measured = {key: options.pop(key) for key in IN_TESTS}
-    sizes = {key: options.pop(key) for key in ("length", "distance")}
+    sizes = {key: options.pop(key) for key in ("track_length", "distance")}
     sizes["radius"] = options.pop("ball_radius")
     if any(measured.values()) or any(sizes.values()):
         tests = repeated_tests.in_order(sizes, record=files, **measured)

@@ -16,11 +16,11 @@ PREPARATION = {
     "--pixel": "Distance of the points, e.g. '0.5 um' or '0.5 um, 0.6 um'; overrides the file.",
     "--height-unit": "Unit of the heights: m, mm, um or nm; overrides the file.",
     "--array": "Which array, channel, column or measurement of several in the file, by name or number.",
-    "--height-sign": "down turns heights over (the file gives depths).",
+    "--height-sign": "'down' where the file gives depths: they are turned over.",
     "--crop": "Part used: 'x0, x1, y0, y1' from the corner, of a profile 'x0, x1', or a size such as '1 mm'.",
     "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
     "--outliers": "Remove spikes: points more than this many robust standard deviations off, e.g. 6.",
-    "--level": "none, plane, sphere, cylinder or a degree of a polynomial. [default: plane]",
+    "--level": "Form taken off: none, plane, sphere, cylinder or a degree of a polynomial. [default: plane]",
     "--s-filter": "Take off shorter waves than this, e.g. '8 um'.",
     "--l-filter": "Take off longer waves than this, e.g. '0.8 mm'.",
 }

@@ -68,12 +68,12 @@ def data_by_name(
         if (courses := group.courses("cof")) is not None:
             mean = courses[0], np.nanmean(courses[1], axis=0)
             run = replace(group.rows[0], courses={"cof": mean})
-            found |= {f"{group.name} has of {e.name}": rows for e in experiments if (rows := data_of(run, e))}
+            found |= {f"{group.name} beside {e.name}": rows for e in experiments if (rows := data_of(run, e))}
     return found
 
 
 def told_of(found: Mapping[str, Sequence[Datum]]) -> Iterator[str]:
-    """Say first what each run has of each measured course, and what it has not. found: of `data_by_name`."""
+    """Say in what each run agrees with each measured course, and in what not. found: of `data_by_name`."""
     for name, data in [*found.items()][:MOST]:
         good = [d.name + " (fitted)" * d.fitted for d in data if abs(d.off) <= CONTRADICTION]
         bad = [
@@ -81,8 +81,8 @@ def told_of(found: Mapping[str, Sequence[Datum]]) -> Iterator[str]:
             for d in data
             if not abs(d.off) <= CONTRADICTION
         ]
-        text = f"{name}: {', '.join(good) or 'nothing'}"
-        yield f"{text}; it has not: {'; '.join(bad)}" if bad else text
+        text = f"{name}: agrees in {', '.join(good) or 'nothing'}"
+        yield f"{text}; differs in {'; '.join(bad)}" if bad else text
     if len(found) > MOST:
         yield f"and {len(found) - MOST} more runs beside measured courses"
 

@@ -7,50 +7,43 @@ import numpy as np
 
 from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.table import Comparison
-from warpwear.ensembles.figures import OVERLAID, chart_of, figure_of, lines_of, measured_line
+from warpwear.ensembles.figures import OVERLAID, chart_of, figure_of, lines_of
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES, CALLED
-from warpwear.measured.experiment import mean_of_last_tenth
 from warpwear.results.ensemble import in_legend
 
 #: Bodies of which one lost this many times as much as the other have scales of their own.
 UNLIKE = 4.0
 #: Largest number of points along a side of a map.
 PIXELS = 500
-RELATIVE = "over its mean in the last tenth of the distance"
+#: Part of the distance that is shown apart, where friction rises.
+EARLY = 0.1
+FIRST = "the first tenth of the distance"
 
 
 def cof(comparison: Comparison) -> Figure:
-    """Coefficient of friction over the distance slid, and over its mean in the last tenth of it.
+    """Coefficient of friction over the distance slid, and over its first tenth.
 
     A swept run has the means of its passes, if it made more than one.
     """
     every, inputs = list(lines_of(comparison.groups, "cof")), []
-    relative = [
-        replace(measured_line(number, e, e.final_cof), label="")
-        for number, e in enumerate(comparison.experiments)
-        if e.final_cof > 0.0
-    ]
     for group, line in every:
         friction = group.rows[0].study.friction
         if friction.fitted in ("end", "initial"):
             place = slice(-1, None) if friction.calibrate == "end" else slice(1)
             mark = replace(describe.RING, colour=line.look.colour)
             inputs.append(Line(line.x[place], line.y[place], look=mark))
-        level = mean_of_last_tenth(line.x, line.y)
-        if line.x.size > 1 and level > 0.0:
-            scaled = lines_of([group], "cof", 1.0 / level, looks=[line.look])
-            relative += [replace(one, label="") for _, one in scaled]
     number = sum(run.study.friction.ends_as_given for run in comparison.rows)
     note = "○: calibrated to this value" if inputs else ""
     if number:
         note = f"the end is an input of {number} of {len(comparison.rows)} runs"
     chart = chart_of(comparison, BY_NAME["cof"], note=note)
-    axes = Axis(describe.DISTANCE, low=0.0), Axis("relative coefficient, –", low=0.0)
-    second = Chart("Relative coefficient of friction", *axes, relative, RELATIVE)
-    return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
+    chart = replace(chart, lines=[*chart.lines, *inputs])
+    end = EARLY * max(float(places.max(initial=0.0)) for places in describe.values_of(chart, "x"))
+    early = replace(chart, title="Coefficient of friction at first", x=replace(chart.x, high=end), note=FIRST)
+    return _figure(comparison, [chart, early])
 
 
 def of_columns(quantities: Sequence[Quantity]) -> Callable[[Comparison], Figure]:

@@ -36,9 +36,9 @@ def notes_of(groups: Sequence[Group[RunData]], experiments: Sequence[Experiment]
     for way, key in ways.items():
         if inputs := [r.name for r in runs if r.study.friction.fitted == way and "cof" in r.courses]:
             yield (
-                f"The CoF {'at the end ' * (way == 'end')}of {listed(inputs, len(runs))} is an input "
-                f"(friction.{key}), "
-                "not a result: compare the shear strengths, or run all with one friction.shear_strength."
+                f"The coefficient of friction {'at the end ' * (way == 'end')}of "
+                f"{listed(inputs, len(runs))} is an input (friction.{key}): compare the shear strengths, or "
+                "run all with one friction.shear_strength."
             )
     yield from told([(run, NO_COF) for run in runs if "cof" not in run.courses], len(runs))
     bare = (run for run in runs if "profile_disc" not in run.courses)
@@ -77,11 +77,14 @@ def _gaps(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:
 
 
 def _differences(groups: Sequence[Group[RunData]]) -> Iterator[str]:
-    """List conditions in which groups differ: they are then unlike tests."""
+    """Say in which conditions groups differ: they are then unlike tests."""
+    unlike = []
     for key, every in differences(groups).items():
         used = [", ".join(value for value in values if value != "–") for values in every]
         texts = {group.name: text for group, text in zip(groups, used, strict=True) if text}
         if key.startswith(CONDITIONS) and len(set(texts.values())) > 1:
             named = [f"{name} {text}" for name, text in texts.items()]
             each_once = named if len(named) <= MOST_NAMES else list(dict.fromkeys(texts.values()))
-            yield f"Unlike tests: the runs differ in {key} ({', '.join(each_once)})."
+            unlike.append(f"{key} ({', '.join(each_once)})")
+    if unlike:
+        yield f"Unlike tests: the runs differ in {', '.join(unlike)}."

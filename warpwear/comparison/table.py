@@ -28,7 +28,10 @@ PASSES = (
 )
 
 #: Said where groups have several runs.
-BANDS = "Of several runs: mean ± standard deviation; figures show the mean and a band of 5 to 95 % of them."
+BANDS = (
+    "Of several runs: mean ± standard deviation; figures show the mean and a band of 5 to 95 % of them, of "
+    "fewer than 19 from the least to the most."
+)
 #: Columns of values -> their units, without those of experiments.
 UNITS = {name: quantity.units for name, quantity in ENDS.items()}
 

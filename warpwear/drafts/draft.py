@@ -48,6 +48,8 @@ MOST_SIDE = 2000
 _BELOW_COMMENT = re.compile(r"(^\n(?:^# .*\n)+)((?:^\w+ = .*\n)+)", re.MULTILINE)
 #: A section right below the last key of another.
 _CLOSE = re.compile(r"(?<!\n)\n\[")
+#: How far a cell may be off a file's pixel, as a part of it, to be a number of few digits.
+NEAR = 0.13
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -290,6 +292,6 @@ def _dividing(study: Study, cell: float) -> float:
     length = study.sliding.lap if track == "full" else float(track)
     steps = study.shift if track != "full" else 1
     exact = length / cell / steps
-    counts = range(max(math.floor(0.97 * exact), 1), math.ceil(1.03 * exact) + 1)
+    counts = range(max(math.floor((1.0 - NEAR) * exact), 1), math.ceil((1.0 + NEAR) * exact) + 1)
     cells = (length / (steps * count) for count in counts)
     return min(cells, key=lambda size: (len(f"{1e3 * size:.9g}"), abs(size - cell)))

@@ -101,7 +101,7 @@ def _conditions(
             raise InputError(f"{test.name} goes {own} is its rig, not {like}")
         if _differ([step.load or math.nan for step in test.steps] or [1.0]):
             raise InputError(f"{test.name} has steps under several loads: a study of these has [[block]]")
-    for name, (key, unit, source) in {**CONDITIONS, way: ("length", "mm", how)}.items():
+    for name, (key, unit, source) in {**CONDITIONS, way: ("track_length", "mm", how)}.items():
         sizes = {t.name: size for t in tests if (size := t.conditions.get(key, math.nan)) > 0.0}
         if not sizes or name in given:
             continue

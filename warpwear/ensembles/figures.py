@@ -86,13 +86,12 @@ def figure_of(
     return with_blocks(figure, *programmes.values()) if len(programmes) == 1 else figure
 
 
-def measured_line(number: int, experiment: Experiment, end: float = 1.0) -> Line:
-    """Give measured points over `end`; of many more the means of parts, in a band of scatter."""
+def measured_line(number: int, experiment: Experiment) -> Line:
+    """Give measured points; of many more the means of parts, in a band of scatter."""
     distance, values, look = experiment.distance, experiment.cof, describe.look_of_measured(number)
     label, every = in_legend(experiment.name), max(1, min(distance.size, POINTS) // MARKED)
     if distance.size <= 2 * POINTS:
-        return Line(distance, values / end, label, look, every=max(1, distance.size // MARKED))
+        return Line(distance, values, label, look, every=max(1, distance.size // MARKED))
     distance, values, squares = means_of_parts(POINTS, distance, values, values**2)
     scatter = np.sqrt(np.clip(squares - values**2, 0.0, None))
-    low, high = (values - scatter) / end, (values + scatter) / end
-    return Line(distance, values / end, label, look, low, high, every=every)
+    return Line(distance, values, label, look, values - scatter, values + scatter, every=every)

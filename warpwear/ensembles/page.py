@@ -10,6 +10,7 @@ from warpwear.ensembles.ensemble import Ensemble, EnsembleRow, Group, M
 from warpwear.history.end_values import ENDS, Value
 from warpwear.history.quantities import Quantity
 from warpwear.results import manifest
+from warpwear.results.ensemble import band_name
 from warpwear.results.report import shown
 
 #: End values that answer what runs beside each other are asked.
@@ -48,7 +49,7 @@ def answers_of(ensemble: Ensemble[M], inputs: Collection[str] = ()) -> dict[str,
             first = value if first is None else first
             if "±" in text:
                 low, high = (quantity.factor * end for end in group.band(name)[1:])
-                notes.append(f"5 to 95 %: {low:.4g} to {high:.4g}")
+                notes.append(f"{band_name(len(group.numbers(name)))}: {low:.4g} to {high:.4g}")
             is_input = name == "cof" and value is not None and group.name in inputs
             cells.append({"text": text, "notes": [*filter(None, notes)], "is_input": is_input})
         rows.append((titled(quantity), cells))

@@ -63,7 +63,8 @@ class Line:
     """Values over places, both (points,). low, high: ends of a band around it, as y; hatch: of the band.
 
     step: a value holds from its place on ("post") or around it ("mid"). clipped: cut off at the panel's
-    edge. every: points from a marker to the next. name: in full, on a page.
+    edge. every: points from a marker to the next. name: in full, on a page. written: its label stands at its
+    one place, in the plane.
     """
 
     x: FloatArray
@@ -77,6 +78,7 @@ class Line:
     every: int = 1
     hatch: str = ""
     name: str = ""
+    written: bool = False
 
 
 @dataclass(frozen=True)

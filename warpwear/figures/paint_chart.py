@@ -85,6 +85,9 @@ def _scale_from_unworn(axes: Axes, axis: describe.Axis) -> None:
 
 
 def _line(axes: Axes, line: Line) -> None:
+    if line.written:
+        axes.text(float(line.x[0]), float(line.y[0]), line.label, ha="center", va="center")
+        return
     look, kind = line.look, f"steps-{line.step}" if line.step else "default"
     is_band = not (look.dash or look.marker)
     if line.low is not None and line.high is not None:

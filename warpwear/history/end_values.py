@@ -69,6 +69,8 @@ class Summary:
     cof_first: Annotated[float | None, "cof.first"]
     cof_input: Annotated[str | None, "cof_input"]
     shear_strength: Annotated[float | None, "shear_strength_MPa"]
+    flash: Annotated[float | None, "flash_K.largest"]
+    flash_unknown: Annotated[str | None, "flash_unknown"]
     exponent_m: Annotated[float | None, "cof_shape.exponent_m"]
     levelling_lambda: Annotated[float | None, "cof_shape.levelling_lambda"]
     load_residual: Annotated[float, "load_residual_N.largest"]

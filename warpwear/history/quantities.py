@@ -46,6 +46,8 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         lambda study: study.pair.wears_by_area or study.contact_task.shears_unalike,
     ),
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
+    "conductance": ("output.joint with conductance", lambda study: "conductance" in study.output.joint),
+    "stiffness": ("output.joint with stiffness", lambda study: "stiffness" in study.output.joint),
 }
 
 
@@ -161,8 +163,6 @@ PATCH_TABLES = per("patch")
 FIELDS = {quantity.name: quantity for quantity in per("cell")}
 #: Columns of the table of pieces.
 OF_PIECES = {quantity.name: quantity for quantity in per("piece")}
-#: Columns of the table of roughness and islands.
-EVOLUTION = per("snapshot")
 #: Every quantity by its name; what has one value a step goes before others of its name.
 BY_NAME = {quantity.name: quantity for quantity in reversed(QUANTITIES)}
 #: The areas that are drawn over each other, in the order of their legend.
@@ -194,6 +194,11 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
             only, pairs = f"{body}.layers", zip(names, OF_A_MATERIAL.values(), strict=True)
             columns += [Quantity(name, unit, f"{meaning} {of}", only=only) for name, (unit, meaning) in pairs]
     return tuple(columns)
+
+
+def evolution_columns(study: Study) -> tuple[Quantity, ...]:
+    """Return the columns of the table of roughness, islands and joint that a run of the study has."""
+    return tuple(quantity for quantity in per("snapshot") if quantity.applies_to(study))
 
 
 #: Measures of a stress, by name; and of a cycle, where there are fatigue limits.

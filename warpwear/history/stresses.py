@@ -5,10 +5,10 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from warpwear.contact.array.solve import solve_contact
 from warpwear.contact.stress.responses import COMPONENTS, Loads
 from warpwear.contact.stress.stresses import Stresses, stresses
 from warpwear.grid import FloatArray
+from warpwear.history.joint import contact_of
 from warpwear.history.quantities import MEASURES, OF_A_CYCLE, stress_columns
 from warpwear.history.snapshot import Snapshot
 from warpwear.study.study import Study
@@ -38,17 +38,8 @@ def _held(study: Study, snapshot: Snapshot, row: Mapping[str, float]) -> FloatAr
     load = row["load"] - row["tangential_force"] / row["cof"] if sticks else 0.0
     if load <= 0.0:
         return np.zeros_like(snapshot.pressure)
-    gap = np.where(np.isfinite(snapshot.gap), snapshot.gap, 2.0 * study.grid.sides[0])
-    contact = solve_contact(
-        -gap,
-        cell=study.grid.cell,
-        load=load,
-        modulus=study.pair.effective_modulus,
-        hardness=study.hardness if study.pair.caps_pressure else None,
-        boundary=study.boundary,
-    )
     # Wear of the step itself is in the gap, and not yet in the pressure.
-    return np.minimum(contact.pressure, snapshot.pressure)
+    return np.minimum(contact_of(study, snapshot, load).pressure, snapshot.pressure)
 
 
 def of_snapshot(

@@ -33,6 +33,9 @@ OF_LEVEL, OF_REGULAR = 0.57, 1.14
 #: Halvings of the step that are told by what one changes. By the local law an area below the hardness goes
 #: with a power of the step and has no limit: an eighth is told. One of first order has its limit at two.
 HALVINGS = 3.0
+#: Parts of an area's error as people read them, where their names do not say it.
+CALLED_PARTS = {"step": "length of steps", "cells": "size of cells", "jumps": "cycles not computed"}
+CALLED_PARTS["balance of the load"] = "load not balanced"
 
 
 def rank_of(sentence: str, kind: str) -> int:
@@ -150,18 +153,18 @@ def verdict_of(study: Study, s: Summary, history: Mapping[str, FloatArray]) -> V
     better, piece = corrected(study, s, history), scatter(study, s, history)
     heavy = sum(rank_of(sentence, "note") == 0 for sentence in s.warnings)
     by = ", ".join(
-        f"{what} {'not known' if part is None else f'{100.0 * part:.2g}'}"
+        f"{CALLED_PARTS.get(what, what)} {'not looked at' if part is None else f'{100.0 * part:.2g} %'}"
         for what, part in parts.items()
         if part is None or part >= LEAST
     )
     uncertainty = ("± not known" if area is None else f"± {100.0 * area:.2g} %") + f" ({by})" * bool(by)
     friction = _friction(study, s)
     sentences = [
-        *([] if s.finished else ["interrupted: as far as it came"]),
+        *([] if s.finished else ["interrupted: numbers of the distance slid so far"]),
         *([f"not to be trusted: {heavy} warning{'s' * (heavy > 1)}"] if heavy else []),
         f"area {better or s.area_contact:.3g} mm² {uncertainty}",
         *([] if piece is None else [f"another piece of such a surface ± {100.0 * piece:.2g} %"]),
-        f"friction {friction}",
+        f"coefficient of friction {friction}",
     ]
     return Verdict(
         "; ".join(sentences),
@@ -184,5 +187,5 @@ def _friction(study: Study, s: Summary) -> str:
     if fitted is None:
         how = "assumed" if "friction.shear_strength" in assumed else "given"
         return f"predicted from the area, by a shear strength that is {how}"
-    where = {"end": ", at the end", "initial": ", at the start", "coulomb": "", "states": ""}[fitted]
+    where = {"end": " at the end", "initial": " at the start", "coulomb": "", "states": ""}[fitted]
     return ("assumed" if "friction.coefficient" in assumed else "given") + where

@@ -310,9 +310,14 @@ def wear_in_steps(laws: tuple[WearLaw, WearLaw], start: float, increments: Seque
     laws: of counter and disc. start: distance slid before the first of the increments [mm], which follow each
     other. Shape (steps, 2).
     """
-    counter, disc = laws
-    slid = [*zip(itertools.accumulate(increments, initial=start), increments, strict=False)]
-    return np.array([[law.wear_per_pressure(*step) for step in slid] for law in (counter, disc)]).T
+
+    def way(length: float | None) -> FloatArray:
+        if length is None:
+            return np.array(increments)
+        starts = itertools.accumulate(increments, initial=start)  # one by one: NumPy's exp is not that of C
+        return np.array([decay_integral(*step, length) for step in zip(starts, increments, strict=False)])
+
+    return np.stack([law._sum(way) for law in laws], axis=1)
 
 
 def decay_integral(start: Any, increment: Number, length: Any) -> Number:

@@ -125,7 +125,8 @@ def patch_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
     profile = mean_profile(scar)
     high = 1e3 * float(np.quantile(scar.lost[scar.patch], 0.998))
     piled = 1e3 * float(np.quantile(-scar.lost[scar.rim], 0.995)) if scar.rim.any() else 0.0
-    scale = Scale("depth lost, µm", -max(piled, 0.05 * high), high, colours="depths", beyond="both")
+    most = max(piled, high)
+    scale = Scale("depth lost, µm", -most, most, colours="signed", beyond="both")
     regions = ((scar.patch, Look(width=0.8)), (scar.patch | scar.rim, Look(describe.NEUTRAL, "dash", 0.8)))
     y, depth, error = profile.y, 1e3 * profile.depth, 1e3 * profile.band
     lines: list[Line | Level] = [

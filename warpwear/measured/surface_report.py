@@ -172,6 +172,7 @@ def file_lines(surface: dict[str, Any], *then: str) -> list[str]:
 def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
     """Declare what is said of a worn track. length: of the whole track [mm], None for the piece alone."""
     low, high = track.window
+    edges = f"y {low:.4g} to {high:.4g} mm"
     below, above = track.mean_section
     mean_section = [
         Row("below", "mean_section_below_um2", 1e6 * below, digits=5),
@@ -187,15 +188,13 @@ def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
         )
     rows = [
         Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
-        Row(
-            "summed", "window_mm", high - low, note=f"with pile-up and margins (y {low:.4g} to {high:.4g} mm)"
-        ),
+        Row("summed over", "window_mm", high - low, note=f"with pile-up and margins ({edges})"),
         Row("", "window_edges_mm", list(track.window)),
         Row("mean profile", "depth_of_mean_profile_um", 1e3 * track.depth, note="deep"),
         Row("single sections", "section_below_um2", [_spread(track.below)], unit="", note=f"below, {rough}"),
         Row("single sections", "section_above_um2", [_spread(track.above)], unit="", note=f"above, {rough}"),
         Row("mean section", "", mean_section, note="(averaged along the track first: trough and pile-up)"),
-        Row("single sections", "section_net_um2", net, note="below − above, ± standard deviation"),
+        Row("single sections", "section_net_um2", net, unit="", note="below − above, ± standard deviation"),
         Row("", "sections", int(track.net.size)),
         Row("", "length_mm", track.length),
         Row("volume", "volume_mm3", volume, digits=5, error=error, note=measured),
@@ -258,7 +257,7 @@ def patch_rows(patch: Patch, *, filled: float = 0.0) -> list[Row]:
         Row("worn", "volume_mm3", patch.volume, 5, f"lost in the patch {ERROR}", patch.volume_error),
         Row("piled up", "piled_up_mm3", patch.piled_up, 2, net_note, patch.piled_up_error),
         Row("net", "net_mm3", patch.net, error=patch.net_error, note="worn − piled up"),
-        Row("area", "area_mm2", patch.area, error=patch.area_error),
+        Row("worn area", "area_mm2", patch.area, error=patch.area_error),
         Row("mean profile", "profile_depth_um", float(depth.max()), 4, over, ("profile_error_um", error)),
         Row("unworn part", "scatter_of_unworn_um", 1e3 * patch.noise, digits=3, note=f"(rms about {form})"),
         Row("", "profile", by_place),

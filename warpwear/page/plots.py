@@ -18,6 +18,9 @@ POINTS = 1500
 INKS = {describe.HARDNESS: "ink", describe.NEUTRAL: "ink", describe.NOMINAL: "soft"}
 #: Pixels of a point of a line's width.
 PIXELS = 5.0 / 3.0
+#: Markers of Matplotlib as the script has them.
+SYMBOLS = {"": "circle", "o": "circle", ".": "circle", "s": "square", "x": "x-thin-open", "D": "diamond"}
+SYMBOLS |= {"^": "triangle-up", "v": "triangle-down"}
 #: How a value holds between places, as the script has it.
 SHAPES = {"": "linear", "post": "hv", "mid": "hvh"}
 
@@ -105,12 +108,13 @@ def _line(line: Line, title: str) -> dict[str, Any]:
     marks = "+".join(["lines"] * bool(look.dash) + ["markers"] * bool(look.marker or line.x.size == 1))
     return {
         "name": line.name or line.label or ("steps" if look.alpha < 1.0 else title),
-        "named": bool(line.label or line.name),
+        "named": bool(line.label or line.name) and not line.written,
         "colour": colour_of(look.colour),
         "dash": look.dash or "solid",
         "width": PIXELS * look.width,
         "opacity": look.alpha,
-        "marks": marks or "none",
+        "marks": "text" if line.written else marks or "none",
+        "symbol": SYMBOLS[look.marker] + "-open" * look.hollow,
         "shape": SHAPES[line.step],
         **{key: None if values is None else values[points] for key, values in columns.items()},
     }

@@ -82,13 +82,14 @@ def answers_of(study: Study, s: Summary) -> list[Answer]:
     uniform = s.pressure_std <= 1e-6 * s.pressure_mean
     spread = "uniform" if uniform else f"standard deviation {s.pressure_std:.3g} MPa"
     scar, better = s.verdict.scar_error_mm, s.verdict.area_corrected_mm2
-    note = f", mean of the {s.end_values}" * study.is_swept + f"; {shown(s.area_contact)} counted" * bool(
-        better
-    )
+    note = f", mean of the {s.end_values}" * study.is_swept
+    note += f"; {shown(s.area_contact)} mm² in whole cells" * bool(better)
     rim = "± not known" if scar is None else f"± {1e3 * scar:.3g} µm"
     strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
     part = f"{100.0 * (s.area_contact / s.area_nominal):.3g} % of the scar{note}{strip}"
     largest = f"{spread}, largest {shown(s.pressure_max)} MPa"
+    if study.hertz is not None:
+        largest += f"; Hertz (smooth, unworn) {shown(study.hertz.peak_pressure)} MPa"
     approach = shown(s.approach).replace("-", "−")
     return [
         Answer("Scar, along × across sliding", shown([s.patch_along, s.patch_across]), "mm", rim),

@@ -14,6 +14,8 @@ from warpwear.study.study import Study
 
 #: Rank of notes on no number, which are not counted.
 LIGHTEST = 3
+#: Rise of the temperature from which it is no longer small [K].
+WARM = 20.0
 #: Lines at most, its head among them: one more is that of its page.
 MOST_LINES = 9
 
@@ -30,10 +32,10 @@ def ending(result: ResultFile) -> str:
     head, *others = filled("ending.txt", formats, escape=False, **told).splitlines()
     rows = [Row(label, "", text) for label, _, text in (line.partition(": ") for line in others) if text]
     if len(rows) >= MOST_LINES:  # the warning goes behind what is said of trust
-        rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}: {rows[-1].value}")]
+        rows[-2:] = [Row(rows[-2].label, "", f"{rows[-2].value}; warning: {rows[-1].value}")]
     return "\n".join([head, *lines(rows)])
 
 
 def friction_of(study: Study, s: Summary) -> str:
     """Say how friction goes, which end of it is an input, and what predicts it elsewhere."""
-    return filled("friction.txt", escape=False, study=study, s=s).strip()
+    return filled("friction.txt", escape=False, study=study, s=s, warm=WARM).strip()

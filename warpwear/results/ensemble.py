@@ -18,6 +18,8 @@ from warpwear.study.study import Study
 #: another run lies between them with that chance. By the usual p (n − 1) it is 84 % and not 90 of 32 runs.
 BAND = (5.0, 95.0)
 RANK: Final = "weibull"
+#: Runs from which on the ends of a band lie between runs.
+WHOLE = 19
 #: Sections and keys of a study that no number of its result depends on; None is the whole section.
 NO_MATTER: dict[str, tuple[str, ...] | None] = {
     "study": ("name", "description", "author", "publisher", "license"),
@@ -97,9 +99,17 @@ def band(values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     for those, percentile in ((numbers == len(values), np.percentile), (numbers > 0, np.nanpercentile)):
         missing = those & np.isnan(courses[0])
         if missing.any():
-            courses[0, missing] = np.nanmean(values[:, missing], axis=0)
+            some = values[:, missing]
+            courses[0, missing] = np.clip(
+                np.nanmean(some, axis=0), np.nanmin(some, axis=0), np.nanmax(some, axis=0)
+            )
             courses[1:, missing] = percentile(values[:, missing], BAND, axis=0, method=RANK)
     return courses[0], courses[1], courses[2]
+
+
+def band_name(count: int) -> str:
+    """Say what a band of so many runs holds: below 19 its ends are the least and the most of them."""
+    return "5 to 95 %" if count >= WHOLE else "least to most"
 
 
 def band_told(numbers: Sequence[int]) -> str:
@@ -107,4 +117,5 @@ def band_told(numbers: Sequence[int]) -> str:
     most, fewest = max(numbers, default=1), min(numbers, default=1)
     if most == 1:
         return ""
-    return f"mean and 5–95 % of {most if most == fewest else f'{fewest} to {most}'} runs"
+    names = dict.fromkeys((band_name(fewest), band_name(most)))
+    return f"mean and {' or '.join(names)} of {most if most == fewest else f'{fewest} to {most}'} runs"

@@ -10,8 +10,9 @@ from functools import partial
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import EVOLUTION
+from warpwear.history.quantities import evolution_columns
 from warpwear.history.snapshot import Snapshot, extents
 from warpwear.laws.archard import BODIES
 from warpwear.laws.courses import Settling, fit_settling
@@ -22,6 +23,8 @@ from warpwear.results.track import inner_rows
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.spectrum import Spectrum
 from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture
+
+joints = lazy.module("warpwear.history.joint")
 
 #: Part of the scar's area whose roughness is taken.
 MIDDLE = 0.5
@@ -52,7 +55,8 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
             rows = list(pool.map(partial(_of_snapshot, result), range(count), fields))
     else:  # one at a time in memory
         rows = [_of_snapshot(result, index, snapshot) for index, snapshot in enumerate(result.snapshots)]
-    table = {column.name: np.array([row[column.name] for row, _ in rows]) for column in EVOLUTION}
+    names = [column.name for column in evolution_columns(result.study)]
+    table = {name: np.array([row[name] for row, _ in rows]) for name in names}
     return SurfaceEvolution(table, tuple(islands for _, islands in rows))
 
 
@@ -70,6 +74,8 @@ def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[di
     row["sq_disc_unworn"] = 1e3 * _texture(result, unworn).sq
     row |= _count_islands(islands, one_cell)
     above = np.nan if critical is None or np.isnan(one_cell) else share_above(islands, critical)
+    if result.study.output.joint:
+        row |= joints.columns_at(result.study, snapshot, result.history)
     return row | {"share_above_critical": above}, islands
 
 

@@ -65,7 +65,13 @@ class Row:
         if self.scientific:
             return scientific(self.value, error, digits=self.digits)
         text = shown(self.value, self.digits)
-        return text if error is None else f"{text} ± {error:.2g}"
+        if error is None:
+            return text
+        if isinstance(self.value, float) and 0.0 < abs(self.value) < math.inf and 0.0 < error < math.inf:
+            # no digit of the value stands behind the last one of its error
+            known = math.floor(math.log10(abs(self.value))) - math.floor(math.log10(error)) + 2
+            text = f"{self.value:#.{max(1, min(self.digits, known))}g}".replace(".e", "e").rstrip(".")
+        return f"{text} ± {error:.2g}"
 
     @property
     def text(self) -> str:

@@ -71,6 +71,7 @@ def _content(result: ResultFile) -> dict[str, Any]:
         **(summary_models.fretting(result) if study.sliding.frets else {}),
         **summary_models.arrangement(result),
         **_friction(result, end),
+        **summary_models.heat(result, end["cof"]),
         **summary_models.stresses(result),
         **_film(result),
         **summary_models.layers(result),

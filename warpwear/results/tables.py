@@ -9,7 +9,7 @@ import tomli_w
 
 from warpwear.clock import phase
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
+from warpwear.history.quantities import Quantity, columns_of, evolution_columns
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
 from warpwear.results.formats.metadata import write_metadata
@@ -36,7 +36,7 @@ def write_tables(folder: Path, result: ResultFile) -> None:
     _write_table(folder / "history.csv", columns_of(result.study), result.history)
     with phase("evolution"):
         evolution = surface_evolution(result)
-    _write_table(folder / "surface.csv", EVOLUTION, evolution.table)
+    _write_table(folder / "surface.csv", evolution_columns(result.study), evolution.table)
     write_summary(folder, result)
     write_metadata(folder, result)
 

@@ -229,20 +229,12 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
     """Return one value a computed pass, of which the last may be short.
 
-    `number` (from 1; of a jump its last), `distance` slid in it [mm], its `stroke` [mm], volumes lost in it
-    [mm³], and means over its distance of the columns of the history that are asked for.
+    `distance` slid in it [mm], and means over it of the columns of the history that are asked for.
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
-    last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
     slid = np.bincount(number, increment).astype(np.float64)
-    lost = ("wear_volume_counter", "wear_volume_disc", "plastic_volume_disc")
-    ends = np.ceil(result.study.passes_at(history["distance"][last]) - 1.0e-9)
-    table: dict[str, FloatArray] = {"number": np.maximum(ends, 1.0), "distance": slid}
-    table["stroke"] = _of_blocks(result, [track.stroke for track in result.study.tracks])[last]
-    table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
-    for name in means:
-        table[name] = np.bincount(number, increment * history[name]) / slid
-    return table
+    means_of = {name: np.bincount(number, increment * history[name]) / slid for name in means}
+    return {"distance": slid, **means_of}
 
 
 def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:

@@ -26,8 +26,9 @@ PACE = 2.0, EVERY_SECONDS
 MOST_NOTES, EARLY_NOTES = 3, 2
 #: Steps after which their pace tells the time left, and most over least of them that "about" is said of.
 FIRST, ABOUT = 20, 4.0
-#: Seconds of steps after which a run is foreseen: the first are dearer, as starts and parts are tried out.
-FORESEEN = 1.0
+#: Seconds of steps after which a run is foreseen, the first being dearer, as starts and parts are tried out;
+#: and after how many at last, where "about" cannot be said yet.
+FORESEEN, FORESEEN_AT_LAST = 1.0, 10.0
 #: Phases of a run that no other contact has again.
 ONCE = ("compile", "kernels")
 
@@ -124,18 +125,27 @@ class Progress:
                 self._begun, self._middle = self._middle, (made, now)
         return first and self._pace is not None
 
-    def time_left(self) -> str:
-        """Say how long the rest takes: 'about 40 s', or within what; nothing before that can be told."""
+    def time_left(self, gone: float = 0.0) -> str:
+        """Say how long the rest takes: 'about 40 s', or within what; nothing before that can be told.
+
+        gone: seconds that are told with it.
+        """
         least, most = self._contacts[1]()
         if self._pace is None or not most > 0.0:
             return ""
-        if most <= ABOUT * least:
-            return f"about {lasting(self._pace * math.sqrt(least * most))}"
-        return f"{lasting(self._pace * least)} to {lasting(self._pace * most)}"
+        if self._is_near:
+            return f"about {lasting(gone + self._pace * math.sqrt(least * most))}"
+        return f"{lasting(gone + self._pace * least)} to {lasting(gone + self._pace * most)}"
+
+    @property
+    def _is_near(self) -> bool:
+        """Tell whether least and most of what is left let "about" be said."""
+        least, most = self._contacts[1]()
+        return most <= ABOUT * least
 
     def _left_text(self) -> str:
-        least, most = self._contacts[1]()  # far apart, they tell nothing on the way
-        return f", {left} left" if most <= ABOUT * least and (left := self.time_left()) else ""
+        left = self.time_left() if self._is_near else ""  # far apart, they tell nothing on the way
+        return f", {left} left" if left else ""
 
     def phase(self, name: str) -> None:
         """Begin a phase of the run, or go on with it: what may take long is told, once."""
@@ -209,11 +219,13 @@ class Foresight(Progress):
         """One step is done."""
         if in_flight == 0:
             self._measure()
-        if self._pace is not None and self._now() - self._once - self._started >= FORESEEN:
+        gone = self._now() - self._once - self._started
+        if self._pace is not None and gone >= (FORESEEN if self._is_near else FORESEEN_AT_LAST):
             raise Enough
 
     def __str__(self) -> str:
-        return f"{self._name}: {self.time_left() or 'a moment'}, without figures"
+        gone = self._now() - self._once - self._started
+        return f"{self._name}: {self.time_left(gone) or f'about {lasting(gone)}'}, without figures"
 
 
 def warn(sentence: str) -> None:

@@ -64,14 +64,14 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     highest = history["cof"].max()
     if highest > ABSURD_COEFFICIENT:
         yield (
-            f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
-            f"strength belongs to another area than friction.area = '{study.friction.area}'."
+            f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear strength "
+            f"was measured over another kind of area than friction.area = '{study.friction.area}'."
         )
     long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
     if long:
         yield (
-            f"The parts of {long} of the steps change the area by more than {100.0 * AREA_ERROR:g} % by "
-            f"estimate: a smaller grid.cell is needed, or stepping.area_error."
+            f"In {long} steps the length of a step changes the area by more than {100.0 * AREA_ERROR:g} % "
+            "(estimated): a smaller stepping.area_error or grid.cell is needed."
         )
     if doubt := doubt_of_directions(study, history):
         yield doubt
@@ -80,11 +80,11 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
         history, load=history["load"], finished=finished, laps=study.laps
     )
     film = friction.film.shear_strength if friction.film else 0.0
-    for name, strength in (("shear strength τ0", tau), ("film's", film)):
+    for name, strength in (("shear strength", tau), ("shear strength of the film", film)):
         if strength > limit:
             yield (
-                f"The {name} = {strength:.3g} MPa is beyond {friction.limit} = {limit:.3g} MPa, which "
-                "the softer body bears: it would shear instead of the interface."
+                f"The {name} of {strength:.3g} MPa is more than the softer body bears, {friction.limit} = "
+                f"{limit:.3g} MPa: that body would shear, not the interface."
             )
     cells = history["cells_in_contact"]
     if cells[0] >= FEW_CELLS:

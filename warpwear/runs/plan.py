@@ -1,5 +1,6 @@
 """The plan of a run: every step of it, before any is made."""
 
+import math
 from collections.abc import Iterable
 from typing import TypeAlias
 
@@ -31,10 +32,11 @@ def kept_after(
     distances: Iterable[float], steps: Iterable[tuple[float, float]], total: float
 ) -> list[Planned]:
     """Leave the steps as long as they are: fields are kept at the first end at or after each distance."""
-    stops, plan = sorted(stop for stop in set(distances) if stop < total), []
+    stops, plan = iter(sorted(stop for stop in set(distances) if stop < total)), []
+    stop = next(stops, math.inf)
     for increment, distance in steps:
-        reached = bool(stops) and stops[0] > 0.0 and distance >= stops[0] - 1.0e-6 * increment
-        while stops and distance >= stops[0] - 1.0e-6 * increment:
-            del stops[0]
+        reached = stop > 0.0 and distance >= stop - 1.0e-6 * increment
+        while distance >= stop - 1.0e-6 * increment:
+            stop = next(stops, math.inf)
         plan.append((increment, distance, reached or distance == total))
     return plan

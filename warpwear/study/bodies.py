@@ -29,7 +29,8 @@ random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILL
 periodic_key, like_key = partial(key, applies=PERIODIC), partial(key, applies=LIKE)
 file_key = partial(key, applies="FROM_A_FILE")
 #: Constants of a body that its material has.
-CONSTANTS = ("young", "poisson", "hardness")
+CONSTANTS = ("young", "poisson", "hardness", "conductivity", "heat_capacity", "density", "resistivity")
+joint_key = partial(key, None, applies=when("output.joint", otherwise="does not apply without output.joint"))
 Radius = Annotated[float, InUnit("mm", Range(infinite=True))]
 
 
@@ -44,6 +45,10 @@ class Body(Section):
     hardness: Hardness | None = key(
         None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
     )
+    conductivity: Annotated[float, InUnit("W/m/K")] | None = key(None, "thermal conductivity")
+    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = key(None, "heat capacity of a mass")
+    density: Annotated[float, InUnit("kg/m^3")] | None = key(None, "density")
+    resistivity: Annotated[float, InUnit("ohm*m")] | None = joint_key("electrical resistivity")
     layers: tuple[LayerSection, ...] | None = key(
         None,
         "layers over the body, from the surface down; its own keys are those of the substrate below them",

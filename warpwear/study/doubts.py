@@ -66,8 +66,8 @@ def _of_part(study: Content) -> Iterator[str]:
     if study.samples_area:
         yield (
             f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
-            f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
-            "what touched in patches, off by up to a macro cell on each side, and so what follows from them."
+            f"{1e3 * study.patches.macro_cell:g} µm: length, width and nominal area of the scar are off by "
+            "up to a macro cell on each side, and so is what follows from them."
         )
     if study.wear.law == "bearing-curve":
         yield (
@@ -121,10 +121,10 @@ def _of_hardness(study: Content) -> Iterator[str]:
             f"{'enter' if len(names) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
         )
     if bare := " and ".join(without_unit(study)):
-        which = "that of the softer body," if limit is None else "contact.hardness ="
+        which = "the hardness of the softer body," if limit is None else "contact.hardness ="
         yield (
-            f"{bare}: k of V = k F L / H, with one H for both bodies, {which} "
-            f"{study.pair.wear_hardness:g} MPa; a K has a unit, such as '1e-4 mm^3/N/m'."
+            f"{bare} without a unit: k of V = k F L / H, for both bodies with {which} "
+            f"{study.pair.wear_hardness:g} MPa. A K has one, such as '1e-4 mm^3/N/m'."
         )
 
 
@@ -150,7 +150,7 @@ def _of_line_load(study: Content) -> Iterator[str]:
         if not isinstance(load, LineLoad):
             yield (
                 f"contact.load = {load:g} N is that of the domain, {study.grid.sides[1]:g} mm of the line: "
-                f"{load / study.grid.sides[1]:.4g} N/mm; a load of a length is loads as such."
+                f"{load / study.grid.sides[1]:.4g} N/mm. A load with the unit N/mm is one per length."
             )
 
 
@@ -161,7 +161,8 @@ def _of_seam(study: Content) -> Iterator[str]:
     if elastic and not _repeats(study.disc.synthetic, across, across=True):
         yield (
             f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
-            "contact.boundary = 'line' does: it has a seam there; disc.synthetic.period may be that long."
+            "contact.boundary = 'line' does: it has a seam there, which a disc.synthetic.period of that "
+            "length avoids."
         )
 
 
@@ -175,22 +176,21 @@ def _of_track(study: Content) -> Iterator[str]:
     if step > first > 0.0:
         yield (
             f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
-            f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
+            f"hardness, {1e3 * first:.3g} µm: the first passes leave gaps between the worn places."
         )
     local = study.contact.law == "local" and not study.uses_bearing_area
     if local and math.isinf(study.pair.stiffness):
         finer = "sliding.shift" if study.shift > 1 else "grid.cell"
         yield (
-            f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
-            "bodies yield by the wear of a step alone, so the area in contact depends on its length, up to "
-            "in proportion to it on a smooth or run-in disc under a ball that hardly wears; the cure is "
-            f"contact.law = 'half-space', else to halve {finer} until the area stays."
+            "contact.law = 'local' with contact.stiffness = inf yields by the wear of a step alone: the area "
+            f"in contact depends on its length, sliding.shift = {study.shift} cells. Take contact.law = "
+            f"'half-space', or halve {finer} until the area stays."
         )
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.sides[1]:
         yield (
-            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
-            "wide beside its radius."
+            f"sliding.track_radius = {radius:g} mm: the track is computed straight, but the domain is more "
+            "than half as wide as that radius."
         )
     made = study.disc.synthetic  # what a file holds tells `Measured.lap_seam`
     if sliding.track != "full" and made is not None and not _repeats(made, float(sliding.track)):
@@ -214,8 +214,8 @@ def _of_mean(study: Content) -> Iterator[str]:
     first, second = study.counter.elastic, study.disc.elastic
     if drives and first and second and first != second:
         yield (
-            "sliding.force or sliding.stroke_of = 'body': the bodies' elastic constants differ, and what "
-            "that adds (friction changes the pressure) is left out."
+            "The bodies' elastic constants differ, so that friction changes the pressure: sliding.force and "
+            "sliding.stroke_of = 'body' leave that out."
         )
 
 
@@ -229,9 +229,9 @@ def _of_sticking(study: Content) -> Iterator[str]:
     travel = 2.0 * displacement(hertz, kappa, coefficient)
     if travel > STICKING * stroke:
         yield (
-            f"sliding.stroke = {in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
-            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
-            "such a test travels as much farther."
+            f"sliding.stroke = {in_words(stroke)} is slip alone: the drive of such a test travels "
+            f"{1e3 * travel:.3g} µm farther, by which smooth bodies yield before they slip (Mindlin, "
+            f"coefficient {coefficient:g})."
         )
 
 

@@ -23,7 +23,16 @@ class Material:
     young: float  # Young's modulus [MPa]
     poisson: float  # Poisson's ratio
     hardness: float  # indentation hardness: hardness number × 9.807 [MPa]
-    sources: Mapping[str, str]  # young, poisson, hardness -> document; † where it could not be read
+    sources: Mapping[str, str]  # each of its numbers -> document; † where it could not be read
+    conductivity: float | None = None  # thermal [W/(m K)]
+    heat_capacity: float | None = None  # [J/(kg K)]
+    density: float | None = None  # [kg/m³]
+    resistivity: float | None = None  # electrical [Ω m]; None of insulators
+
+
+#: Units of its numbers.
+UNITS = {"young": "MPa", "hardness": "MPa", "conductivity": "W/m/K"}
+UNITS |= {"heat_capacity": "J/kg/K", "density": "kg/m^3", "resistivity": "ohm*m"}
 
 
 def names() -> tuple[str, ...]:
@@ -63,7 +72,7 @@ def _table() -> tuple[tuple[Material, ...], Mapping[str, int]]:
     aliases: dict[str, int] = {}
     for place, row in enumerate(rows):
         aliases |= {_key(alias): place for alias in (row["name"], *row.pop("aliases"))}
-        row |= {name: parse(row[name], "MPa") for name in ("young", "hardness")}
+        row |= {name: parse(row[name], unit) for name, unit in UNITS.items() if name in row}
         row["sources"] = MappingProxyType(row["sources"])
         entries.append(Material(**row))
     return tuple(entries), MappingProxyType(aliases)

@@ -170,7 +170,7 @@ class Sliding(Section):
         one_of="lap",
     )
     speed: Annotated[float, InUnit("mm/s")] | None = key(
-        None, "sliding speed, for the time axis only; by default the mean of the frequency"
+        None, "sliding speed, for the time axis and heat alone; by default the mean of the frequency"
     )
     kinematics: Literal["stationary", "swept", "fretting"] | None = key(
         None,
@@ -297,7 +297,9 @@ class BlockSection(Section):
     track_radius: Length | None = key(
         None, "instead of stroke: radius of the track on a rotating disc; another one is unworn at first"
     )
-    speed: Annotated[float, InUnit("mm/s")] | None = key(None, "sliding speed, for the time axis only")
+    speed: Annotated[float, InUnit("mm/s")] | None = key(
+        None, "sliding speed, for the time axis and heat alone"
+    )
     frequency: Annotated[float, InUnit("Hz")] | None = key(
         None, "cycles, or with a track_radius revolutions, in a second"
     )

@@ -36,6 +36,10 @@ EXAMPLES = {
     "mm/N": "a compliance such as '0.05 um/N'",
     "N/mm": "an energy of an area such as '2 J/m^2'",
     "MB": "a memory such as '256 MB'",
+    "W/m/K": "a thermal conductivity such as '16 W/m/K'",
+    "J/kg/K": "a heat capacity such as '500 J/kg/K'",
+    "kg/m^3": "a density such as '7800 kg/m^3'",
+    "ohm*m": "a resistivity such as '7.2e-7 ohm*m'",
 }
 
 
@@ -59,6 +63,7 @@ FACTORS = {
     "mm^3/N/m": {"mm^3/N/m": 1.0},
     "N/mm": {"N/mm": 1.0, "J/m^2": 1.0e-3},
     "MB": {"MB": 1.0, "GB": 1.0e3},
+    **{unit: {unit: 1.0} for unit in ("W/m/K", "J/kg/K", "kg/m^3", "ohm*m")},
 }
 #: Most characters of a quantity: more are read as none.
 LONGEST_TEXT = 200

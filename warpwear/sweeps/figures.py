@@ -81,7 +81,8 @@ def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[Flo
         quantity.scaled(result.ends(quantity.name)),
         Look(describe.COUNTER, "", marker="o", alpha=0.6),
     )
-    up, charts = Axis(_at_the_end(quantity), low=0.0 if np.nanmin(ends) > 0.0 else None), []
+    wide = 0.0 < np.nanmin(ends) < 0.5 * np.nanmax(ends)  # else points of one height would lie at the top
+    up, charts = Axis(_at_the_end(quantity), low=0.0 if wide else None), []
     for key in keys:
         (values, unit), name = varied[key], result.plan.names[key]
         scale: Any = "auto" if np.nanmin(values) > 0.0 else "linear"
@@ -114,9 +115,7 @@ def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
             bars.append(Bars(*bar, axis, note=RANKS))
             continue
         order = [result.plan.keys.index(key) for key in influence]
-        reach = np.append(indices.total_interval[np.isfinite(indices.total_interval)], (0.0, 1.0))
-        low, high = 1.05 * float(reach.min()), 1.05 * float(reach.max())
-        axis = Axis("Sobol's index: part of the variance", low=low, high=high)
+        axis = Axis("Sobol's index: part of the variance", low=-0.05, high=1.05)
         ends, dots = indices.total_interval[:, order], indices.first[order]
         bars.append(Bars(*bar, axis, ends, dots, note=INDICES))
     return Figure(bars, height=max(1.4, 0.3 * len(result.plan.keys) + 0.9))

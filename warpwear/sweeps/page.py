@@ -18,7 +18,7 @@ from warpwear.measured.experiment import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
-from warpwear.results.ensemble import is_label
+from warpwear.results.ensemble import band_name, is_label
 from warpwear.sweeps.figures import drawn, figures_of
 from warpwear.sweeps.table import SweepResult, SweepRow
 
@@ -28,7 +28,7 @@ MOST_ROWS, MOST_VALUES = 200, 12
 MOST_FAILURES = 8
 #: Letters of a number that was drawn, and not written by a person.
 LONG = 12
-BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
+BANDS = "Mean of each group, in a band of its runs: 5 to 95 %, of fewer than 19 least to most."
 #: Sections of the page: heading, anchor, figures and what is said of them.
 SECTIONS = (
     ("Courses", "courses", ("courses",), BANDS),
@@ -83,7 +83,7 @@ def _card(result: SweepResult, everyone: Group[SweepRow], quantity: Quantity) ->
     known = [quantity.factor * value for value in everyone.numbers(quantity.name)]
     if result.plan.design.kind in SAMPLED:
         mean, low, high = (quantity.factor * value for value in everyone.band(quantity.name))
-        text, error = f"{mean:.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
+        text, error = f"{mean:.4g}", f"mean; {band_name(len(known))} of the runs: {low:.3g} to {high:.3g}"
     else:
         least, most = min(known), max(known)
         text = f"{least:.3g} to {most:.3g}" if least < most else f"{least:.4g}"

@@ -8,9 +8,12 @@ import numpy as np
 
 from warpwear.ensembles.ensemble import Group
 from warpwear.errors import InputError
+from warpwear.history.end_values import ENDS
+from warpwear.history.quantities import Quantity
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
+from warpwear.results.ensemble import band_name
 from warpwear.sweeps.figures import figures_of
 from warpwear.sweeps.page import MOST_FAILURES, failures, page
 from warpwear.sweeps.table import TABLES, SweepResult, SweepRow
@@ -63,7 +66,9 @@ def summary_text(result: SweepResult) -> str:
     lines = [f"{done} of {len(result.rows)} runs done"]
     groups = result.ensemble().groups
     width = max(len(group.name) for group in groups)
-    lines += [f"{g.name:<{width}}  {len(g.rows):4d} runs   {_end_of(g)}" for g in groups]
+    given = result.plan.study.friction.fitted in ("end", "coulomb", "states")  # then it is no answer
+    told = ENDS["area_contact" if given else "cof"]
+    lines += [f"{g.name:<{width}}  {_end_of(g, told)}" for g in groups]
     if len(result.plan.keys) > 1 and done > 1:
         indices, what = result.sobol(), "rank correlation; of words and seeds η²"
         what = what if indices is None else "Sobol's total index, 95 % interval"
@@ -85,12 +90,14 @@ def _without_influence(result: SweepResult) -> list[str]:
     return [f"{' and '.join(idle)} without influence at the end: {why}"]
 
 
-def _end_of(group: Group[SweepRow]) -> str:
+def _end_of(group: Group[SweepRow], told: Quantity) -> str:
     """Return what the runs of a group came to, for the screen."""
-    mean, low, high = group.band("cof")
+    mean, low, high = group.band(told.name)
     if not np.isfinite(mean):
-        return "no coefficient of friction"
-    return f"cof at the end {mean:.4g}" + f"   5–95 %: {low:.4g} – {high:.4g}" * (len(group.rows) > 1)
+        return f"no {told.label}"
+    name = band_name(len(group.numbers(told.name)))
+    band = f", {name} of {len(group.rows)} runs: {low:.4g} to {high:.4g}" * (len(group.rows) > 1)
+    return f"{told.label} {mean:.4g} {told.unit}".rstrip() + band
 
 
 def failed_sentence(result: SweepResult) -> str | None:

@@ -89,7 +89,7 @@
       const trace = {
         ...common, y: shownOf(y), mode: line.marks, name: plain(line.name), opacity: line.opacity, showlegend: line.named && !plot.bare,
         line: { color: colour(line.colour), dash: line.dash, width: line.width, shape: line.shape },
-        marker: { color: colour(line.colour), size: line.marks === "markers" ? 7 : 6, opacity: line.marks === "markers" ? 0.7 : 1 },
+        text: [plain(line.name)], marker: { color: colour(line.colour), symbol: line.symbol, size: line.marks === "markers" ? 7 : 6, opacity: line.marks === "markers" ? 0.7 : 1 },
         hovertemplate: many || line.marks === "markers" ? `${plain(line.name)}<br>%{x:.4~g}: %{y:.4~g}<extra></extra>` : "%{y:.4~g}",
       };
       if (!low) return [trace];
@@ -114,7 +114,7 @@
 
   // ---- bars and grids -----------------------------------------------------------------------------
   const bars = (plot, node) => {
-    const values = arrayOf(plot.values), places = [...values].map((_, i) => -i), names = plot.names.map((name) => plain(name, 40));
+    const values = arrayOf(plot.values), places = [...values].map((_, i) => -i), names = plot.names.map((name) => plain(name, 60));
     node.style.height = `${2.4 * names.length + 5}rem`;
     const traces = [{
       type: "bar", orientation: "h", x: values, y: places, marker: { color: data.scales.heights[4] }, width: 0.6, showlegend: false,
@@ -137,7 +137,7 @@
   const grid = (plot, node) => {
     const rows = rowsOf(arrayOf(plot.values), plot.values.shape), label = (v) => (v === v ? String(+v.toPrecision(3)) : "–");
     node.style.height = `${Math.min(40, 2.6 * rows.length + 7)}rem`;
-    const few = rows.length <= 12 && rows[0].length <= 12, ticks = (names) => ({ type: "category", tickvals: names.map((_, i) => i), ticktext: names.map((n) => plain(n, 16)), showgrid: false });
+    const few = rows.length <= 12 && rows[0].length <= 12, ticks = (names) => ({ type: "category", tickvals: names.map((_, i) => i), ticktext: names.map((n) => plain(n, 30)), showgrid: false });
     const trace = {
       type: "heatmap", z: rows, x: plot.across.map((_, i) => i), y: plot.down.map((_, i) => i), colorscale: scaleOf(data.scales.heights), xgap: 2, ygap: 2,
       text: rows.map((row) => [...row].map(label)), texttemplate: few ? "%{text}" : "", hovertemplate: "%{text}<extra></extra>", hoverongaps: false,

@@ -39,9 +39,10 @@ WARPWEAR_FN void open_cells(int slot, int slots, Solve& solve, const Few& few)
 }
 
 // Solve matrix x = right for two right sides beside a symmetric matrix without negative eigenvalues, by
-// Cholesky's method with diagonal pivots. equations: n rows of n + 2 numbers. factor: room for as many.
-// Unknowns whose pivots are less than 1e-15 times the largest are not told from the others by the equations,
-// and are 0.
+// Cholesky's method with diagonal pivots. equations: n rows of n + 2 numbers. factor: room for as many, whose
+// columns are in the order of the pivots, so that none is computed for those before. Of like pivots the first
+// is taken. Unknowns whose pivots are less than 1e-15 times the largest are not told from the others by the
+// equations, and are 0.
 WARPWEAR_FN void solve_pivoted(const double* equations, double* factor, double* rest, int* order, double* x,
                                int n)
 {
@@ -49,33 +50,53 @@ WARPWEAR_FN void solve_pivoted(const double* equations, double* factor, double* 
     double largest = 0.0;
     for (int i = 0; i < n; ++i) {
         rest[i] = equations[i * width + i];
+        order[i] = i;
         largest = rest[i] > largest ? rest[i] : largest;
         x[2 * i] = x[2 * i + 1] = 0.0;
     }
     int rank = 0;
     for (; rank < n; ++rank) {
-        int pivot = 0;
-        for (int i = 1; i < n; ++i) pivot = rest[i] > rest[pivot] ? i : pivot;
-        if (!(rest[pivot] > 1.0e-15 * largest)) break;
-        double* const along = factor + rank * width;
-        for (int i = 0; i < width; ++i) along[i] = equations[pivot * width + i];
-        for (int k = 0; k < rank; ++k) {
-            const double* const above = factor + k * width;
-            const double times = above[pivot];
-            for (int i = 0; i < width; ++i) along[i] -= times * above[i];
+        int pivot = rank;
+        for (int i = rank + 1; i < n; ++i) {
+            const bool is_earlier = rest[i] == rest[pivot] && order[i] < order[pivot];
+            pivot = rest[i] > rest[pivot] || is_earlier ? i : pivot;
         }
-        const double root = 1.0 / sqrt(rest[pivot]);
-        for (int i = 0; i < width; ++i) along[i] *= root;
-        for (int i = 0; i < n; ++i) rest[i] -= along[i] * along[i];
-        rest[pivot] = -NO_LIMIT;
-        order[rank] = pivot;
+        if (!(rest[pivot] > 1.0e-15 * largest)) break;
+        const auto swap = [&](auto* of) {
+            const auto first = of[rank];
+            of[rank] = of[pivot];
+            of[pivot] = first;
+        };
+        swap(rest);
+        swap(order);
+        for (int k = 0; k < rank; ++k) swap(factor + k * width);
+        double* const __restrict__ along = factor + rank * width;
+        const double* const equation = equations + order[rank] * width;
+        for (int i = rank; i < width; ++i) along[i] = equation[i < n ? order[i] : i];
+        int k = 0;
+        for (; k + 1 < rank; k += 2) { // two at a time: each row is read and stored half as often
+            const double *const above = factor + k * width, *const below = above + width;
+            const double times = above[rank], more = below[rank];
+            for (int i = rank; i < width; ++i) {
+                const double value = along[i] - times * above[i];
+                along[i] = value - more * below[i];
+            }
+        }
+        for (; k < rank; ++k) {
+            const double* const above = factor + k * width;
+            const double times = above[rank];
+            for (int i = rank; i < width; ++i) along[i] -= times * above[i];
+        }
+        const double root = 1.0 / sqrt(rest[rank]);
+        for (int i = rank; i < width; ++i) along[i] *= root;
+        for (int i = rank + 1; i < n; ++i) rest[i] -= along[i] * along[i];
     }
     for (int row = rank - 1; row >= 0; --row) {
         const double* const along = factor + row * width;
         for (int side = 0; side < 2; ++side) {
             double value = along[n + side];
-            for (int k = row + 1; k < rank; ++k) value -= along[order[k]] * x[2 * order[k] + side];
-            x[2 * order[row] + side] = value / along[order[row]];
+            for (int k = row + 1; k < rank; ++k) value -= along[k] * x[2 * order[k] + side];
+            x[2 * order[row] + side] = value / along[row];
         }
     }
 }
@@ -102,9 +123,9 @@ template <typename Few> WARPWEAR_FN bool best_of_few(const Few& few, int n)
     int *const side = few.side.data, *const free = few.free.data;
     double largest = 0.0;
     for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
+        for (int j = 0; j <= i; ++j) {
             const double value = between_cells(few, i, j);
-            matrix[i * n + j] = value;
+            matrix[i * n + j] = matrix[j * n + i] = value;
             largest = value > largest ? value : largest;
         }
     for (int i = 0; i < n; ++i) side[i] = 0;
@@ -120,7 +141,8 @@ template <typename Few> WARPWEAR_FN bool best_of_few(const Few& few, int n)
         for (int i = 0; i < count; ++i) {
             const double* const row = matrix + free[i] * n;
             double pull = 0.0;
-            for (int j = 0; j < n; ++j) pull += row[j] * x[j];
+            for (int j = 0; j < n; ++j)
+                if (x[j] != 0.0) pull += row[j] * x[j]; // of the cells at a bound
             double* const equation = equations + i * (count + 2);
             for (int j = 0; j < count; ++j) equation[j] = row[free[j]] + largest;
             equation[count] = -few.slope.data[free[i]] - pull;
@@ -142,7 +164,7 @@ template <typename Few> WARPWEAR_FN bool best_of_few(const Few& few, int n)
         bool changes = false;
         for (int i = 0; i < n; ++i) {
             double pull = few.slope.data[i] + level; // negative where a cell would rise
-            for (int j = 0; j < n; ++j) pull += matrix[i * n + j] * x[j];
+            for (int j = 0; j < n && side[i] != 0; ++j) pull += matrix[i * n + j] * x[j];
             int now = 0;
             if (side[i] == 0)
                 now = x[i] < few.low.data[i] ? -1 : x[i] > few.high.data[i] ? 1 : 0;

@@ -60,15 +60,17 @@ def course_like(study: Study, *, points: int = 40, name: str = "test") -> Measur
     return MeasuredCourse(name, distance, np.zeros(points))
 
 
-def found_for(posterior: Posterior) -> tuple[dict[str, np.ndarray], np.ndarray]:
+def found_for(
+    posterior: Posterior, *, seed: int = 0, draws: int = 80_000
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Samples of a posterior by weighing many draws of the prior, apart from any sampler."""
-    return posterior.complete(weighed(posterior).z, np.random.default_rng(0))
+    return posterior.complete(weighed(posterior, seed=seed, draws=draws).z, np.random.default_rng(seed))
 
 
-def weighed(posterior: Posterior) -> Samples:
+def weighed(posterior: Posterior, *, seed: int = 0, draws: int = 80_000) -> Samples:
     """Draws of the prior by their likelihood."""
-    random = np.random.default_rng(0)
-    z = random.standard_normal((80_000 if posterior.sampled else 4000, len(posterior.sampled)))
+    random = np.random.default_rng(seed)
+    z = random.standard_normal((draws if posterior.sampled else 4000, len(posterior.sampled)))
     logs = posterior.log_likelihood(z)
     weights = np.exp(logs - logs.max())
     return Samples(z[random.choice(len(z), 4000, p=weights / weights.sum())], 0, 1.0, 1.0, 4000.0)

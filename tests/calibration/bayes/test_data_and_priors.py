@@ -1,5 +1,6 @@
 """What data and priors are made into: repeats, thinned courses, quantiles."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,7 +8,9 @@ import numpy as np
 import pytest
 from cases_inference import course_like, posterior_of, smooth_study
 
-from warpwear import InputError
+from warpwear import InputError, Study
+from warpwear.batches.batch import LOG
+from warpwear.calibration.bayes.command import telling
 from warpwear.calibration.bayes.data import Data, MeasuredValue, data_of
 from warpwear.calibration.bayes.infer import check_priors
 from warpwear.calibration.bayes.unknowns import unknowns_of
@@ -28,7 +31,7 @@ def test_what_a_test_may_give_beside_values(tmp_path: Path) -> None:
     path = tmp_path / "across.csv"
     table = np.column_stack([place, heights])
     np.savetxt(path, table, delimiter=";", header="x [mm];z [um]", comments="")
-    test = {"profile": path, "length": "30 mm", "scar": ["0.80 mm", "0.84 mm"], "radius": "3 mm"}
+    test = {"profile": path, "track_length": "30 mm", "scar": ["0.80 mm", "0.84 mm"], "radius": "3 mm"}
     volume, scar = data_of(smooth_study(), [test | {"load": "8.1 N"}]).values
     assert (volume.kind, scar.kind) == ("volume_disc", "scar")
     assert volume.value == pytest.approx(30.0 * 2.0 / 3.0 * 2e-3 * 0.22, rel=5e-3)
@@ -76,6 +79,40 @@ def test_priors_that_exclude_the_data_are_refused() -> None:
     posterior = posterior_of(smooth_study(), {"friction.shear_strength": "uniform 2 .. 3 MPa"}, course)
     with pytest.raises(InputError, match="the priors exclude the data"):
         check_priors(posterior, seed=0)
+
+
+def test_a_shear_strength_of_a_coefficient_has_a_prior_by_itself() -> None:
+    """From what all of the field would need to five times that of the hardness."""
+    study = smooth_study().replace(
+        {"friction.coefficient": 0.6, "friction.shear_strength": None, "contact.hardness": "590 MPa"}
+    )
+    assert study.friction.shear_strength is None
+    (unknown,) = unknowns_of(study, {"friction.shear_strength": None})
+    assert unknown.assumed
+    assert unknown.prior.first == pytest.approx(0.6 * 8.0 / math.prod(study.grid.sides), rel=0.01)
+    assert unknown.prior.second == pytest.approx(5.0 * 590.0 / 27.0**0.5, rel=0.01)
+
+
+def test_an_inference_says_how_far_it_is_and_goes_on(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted() -> None:
+        with telling(tmp_path):
+            LOG.info("1 of 32 runs, the last done; 2 s gone, about 62 s left")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert capsys.readouterr().err.splitlines() == [
+        "1 of 32 runs, the last done; 2 s gone, about 62 s left",
+        "the same command goes on from here",
+    ]
+
+
+def test_a_section_of_a_rotating_disc_goes_around_its_circle() -> None:
+    study = Study.load("track").replace({"sliding.stroke": None, "sliding.track_radius": "3 mm"})
+    (value,) = data_of(study, [{"section": "812 +- 30 um^2"}]).values
+    assert (value.kind, value.value) == ("section", pytest.approx(812e-6))
 
 
 def test_a_coefficient_without_a_unit_has_a_prior_about_its_k() -> None:

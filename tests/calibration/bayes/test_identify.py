@@ -10,8 +10,9 @@ from cases_inference import course_like, drawn, found_for, posterior_of, result_
 from warpwear import Study
 from warpwear.batches.plan import read_plan
 from warpwear.calibration.bayes.data import Data, MeasuredCourse, MeasuredValue
-from warpwear.calibration.bayes.identify import identify
+from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.report import write_report
+from warpwear.calibration.bayes.sampler import split_of, spread_of
 
 
 def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
@@ -49,6 +50,29 @@ def test_strength_and_area_are_not_told_apart_by_one_coefficient() -> None:
     assert "A scar or a worn volume" in str(group)
     with_scar = posterior_of(study, asked, replace(data, values=(MeasuredValue("scar", 1.0, 0.02),)))
     assert not identify(with_scar, *found_for(with_scar)).indistinct
+
+
+@pytest.mark.parametrize("error", [0.02, 0.05, 0.1, 0.2])
+def test_one_number_never_tells_two_unknowns_apart(error: float) -> None:
+    """Its information has rank one: however large its error, and whatever was drawn, only a sum is told."""
+    asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
+    for seed in range(6):
+        scar = 1.269 + error * np.random.default_rng(seed).standard_normal()
+        posterior = posterior_of(smooth_study(), asked, Data(values=(MeasuredValue("scar", scar, error),)))
+        found = identify(posterior, *found_for(posterior, seed=seed, draws=20_000))
+        assert "the sum wear.counter + wear.disc" in found.sentences[0]
+
+
+def test_three_unknowns_of_one_coefficient_are_told_as_a_product() -> None:
+    study = smooth_study()
+    asked: dict[str, str | None] = dict.fromkeys(("friction.shear_strength", "wear.counter", "wear.disc"))
+    asked["friction.shear_strength"] = "log-uniform 1 .. 10 MPa"
+    for seed in range(6):
+        data = Data(points=(MeasuredValue("friction", 0.4, 0.05, study.sliding.total),))
+        posterior = posterior_of(study, asked, data)
+        found = identify(posterior, *found_for(posterior, seed=seed, draws=20_000))
+        assert set(found.indistinct[0].keys) == set(asked)
+        assert "the product friction.shear_strength · wear.counter^" in found.sentences[0]
 
 
 def test_an_unknown_of_which_data_say_nothing_is_named() -> None:
@@ -142,6 +166,19 @@ def test_a_course_that_the_study_meets_is_calibrated(tmp_path: Path) -> None:
     assert not (tmp_path / "fitted.toml").exists()
 
 
+@pytest.mark.parametrize("length", [20.0, 150.0, 600.0])
+def test_a_true_study_is_not_said_to_miss_its_course(length: float) -> None:
+    """Noise that goes together moves the level of a third: the verdict has the noise that was fitted."""
+    study, misses = smooth_study(), 0
+    truth = {"friction.shear_strength": 3.0, "noise.deviation": 0.03, "noise.length": length}
+    for seed in range(25):
+        data = drawn(study, truth, Data((course_like(study, points=60),)), seed)
+        posterior = posterior_of(study, {"friction.shear_strength": "log-uniform 2 .. 5 MPa"}, data)
+        values, _ = found_for(posterior, draws=4000)
+        misses += any("cannot bring" in line for line in conflicts_of(posterior, values))
+    assert misses == 0
+
+
 def test_what_one_test_tells_is_of_this_test() -> None:
     """One volume tells K of its own test; of two the scatter between tests is in the uncertainty."""
     wear: dict[str, str | None] = {"wear.disc": None}
@@ -151,6 +188,47 @@ def test_what_one_test_tells_is_of_this_test() -> None:
         inference = replace(inference, repeats={"wear.disc": 0})
         (line,) = (line for line in inference.sentences if "is known to" in line)
         assert ("of this test" in line) == (count == 1)
+
+
+def test_what_the_prior_decides_is_not_said_to_be_known() -> None:
+    """Nor how many more tests help: of what no datum tells, at a prior's end, in a study that misses its
+    data."""
+    counter, disc = (MeasuredValue(f"volume_{body}", 0.0244, 0.0005) for body in ("counter", "disc"))
+    scar = MeasuredValue("scar", 0.8, 0.02)
+    both: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
+    at_its_end = both | {"wear.disc": "uniform 1e-4 .. 1.25e-3 mm^3/N/m"}
+    for asked, data, told in (
+        (both, (counter,), {"wear.counter"}),
+        (both, (counter, disc), {"wear.counter", "wear.disc"}),
+        (at_its_end, (counter, disc), {"wear.counter"}),
+        (both, (counter, disc, scar), set()),
+    ):
+        inference = result_of(posterior_of(smooth_study(), asked, Data(values=data)))
+        inference = replace(inference, repeats=dict.fromkeys(both, 3))
+        assert set(inference.more_tests) == told
+        assert {key for key in both if f"{key} is known to" in str(inference)} == told
+
+
+def test_quantiles_are_told_where_few_samples_make_the_deviation() -> None:
+    """Four in a thousand samples made ± 49 %; groups that lie apart are named."""
+    random = np.random.default_rng(0)
+    near, far = 1.0 + 0.02 * random.standard_normal(3984), 8.0 + 0.1 * random.standard_normal(16)
+    middle, half, by_quantiles = spread_of(np.append(near, far))
+    assert (middle, half) == pytest.approx((1.0, 0.02), rel=0.06)
+    assert by_quantiles
+    assert split_of(np.append(far, near), 4000.0) == near.size
+    assert spread_of(near) == (near.mean(), near.std(), False)
+    assert spread_of(np.full(10, 0.1)) == (pytest.approx(0.1), 0.0, False)
+    alone = [split_of(random.standard_normal(4000), 4000.0) for _ in range(400)]
+    alone += [split_of(random.exponential(size=4000), 4000.0) for _ in range(400)]
+    assert len([one for one in alone if one is not None]) <= 8
+    data = Data(values=(MeasuredValue("volume_disc", 0.0244, 0.0005),))
+    inference = result_of(posterior_of(smooth_study(), {"wear.disc": None}, data))
+    assert 0.995 < inference.table[0]["learnt"] < 1.0
+    assert "over 99 %" in str(inference)
+    inference = replace(inference, values={"wear.disc": np.append(near, far)})
+    assert "wear.disc has two groups of values: 0.4 % lie from 7." in str(inference)
+    assert "(median, 16 to 84 %)" in str(inference)
 
 
 def test_a_prior_that_holds_an_unknown_back_is_named() -> None:

@@ -45,6 +45,31 @@ def test_repeats_that_reach_ten_percent() -> None:
     assert repeats_needed(posterior, values, "wear.disc") is None
 
 
+@pytest.mark.parametrize("error", [0.006, 0.0045])
+def test_more_tests_leave_what_simulated_ones_leave(error: float) -> None:
+    """Tests to come, drawn from the posterior and weighed by Bayes' rule: one measure says what each leaves,
+    and how many reach ± 10 % (46 for 17 where the mean variance was that of the prior's normal number)."""
+    study = smooth_study(**{"wear.disc": "0 mm^3/N/m"})
+    data = Data(values=(MeasuredValue("volume_counter", 0.018, error),))
+    posterior = posterior_of(study, {"wear.counter": None}, data)
+    values, _ = found_for(posterior)
+    k, random = values["wear.counter"], np.random.default_rng(1)
+    volumes = posterior.model.value(values, "volume_counter")[0]
+
+    def left(repeats: int) -> float:
+        truth = volumes[random.integers(0, k.size, 400)]
+        means = truth + error / repeats**0.5 * random.standard_normal(truth.size)
+        weights = np.exp(-0.5 * repeats * ((means[:, None] - volumes) / error) ** 2)
+        weights /= weights.sum(axis=1, keepdims=True)
+        return float(np.sqrt(np.mean(weights @ k**2 - (weights @ k) ** 2)) / k.mean())
+
+    tests = best_tests(posterior, values, "wear.counter", [Candidate({}, n) for n in (1, 5, 20)])
+    for test in tests:
+        assert test.expected == pytest.approx(left(test.repeats), rel=0.1)
+    needed = repeats_needed(posterior, values, "wear.counter")
+    assert needed == pytest.approx(next(n for n in range(1, 101) if left(n) <= 0.10), abs=4)
+
+
 def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
     """Unknowns that go together are drawn together, others by distributions."""
     study = smooth_study()

@@ -94,5 +94,7 @@ def soon_done(case: str) -> Study:
         return study.replace({"sliding.shift": 8})
     if case.startswith("fretting"):
         return study.replace({"sliding.cycles": 100 if "gross" in case else 3_000})
+    if case.endswith("jumps"):
+        return study.replace({"sliding.distance": "24 mm"})
     small_steps = case.startswith(("micro", "two-scale", "half-space", "stresses"))
     return study.replace({"sliding.distance": "0.2 mm" if small_steps else "3 mm"})

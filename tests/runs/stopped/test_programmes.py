@@ -253,4 +253,4 @@ def test_a_record_lists_the_blocks(device: str) -> None:
     second = history["block"] == 2.0
     mean = np.average(history["cof"][second], weights=history["increment"][second])
     assert blocks[1]["cof_mean"] == mean
-    assert f"2 of 2 blocks; in the last, 16 N over 0.0625 mm, mean friction {mean:.3g}" in str(result)
+    assert f"2 of 2 blocks; in the last 16 N over 0.0625 mm, mean friction {mean:.3g}" in str(result)

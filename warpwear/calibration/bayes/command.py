@@ -1,9 +1,14 @@
 """What `warpwear calibrate bayes` does: from its options, or a study's section [infer], to the text."""
 
-from collections.abc import Mapping, Sequence
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import click
+
+from warpwear.batches.batch import LOG
 from warpwear.calibration.bayes.data import data_of
 from warpwear.calibration.bayes.infer import infer
 from warpwear.calibration.bayes.report import CALIBRATED, FITTED, content_of
@@ -59,12 +64,30 @@ def calibrate_bayes(
     options |= {"target": target or section.target, "candidates": candidates or section.next, "out": out}
     if options["candidates"] and options["target"] is None:
         raise InputError("--next needs --target, the unknown that the next test shall tell")
-    inference = infer(changed, unknown=priors, tests=data, **options)
+    with telling(options["out"]):
+        inference = infer(changed, unknown=priors, tests=data, **options)
     if as_json:
         return to_json(content_of(inference))
     study = FITTED if inference.misses else CALIBRATED
     written = f"\nwritten to {out}/: inference.html, {study}, posterior.csv, figures/"
     return str(inference) + (written if out else "")
+
+
+@contextmanager
+def telling(out: Path | None) -> Iterator[None]:
+    """Show each run that is done with the time left, and say after an interrupt what goes on from there."""
+    handler, level = logging.StreamHandler(), LOG.level
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO)
+    try:
+        yield
+    except KeyboardInterrupt:
+        if out is not None:
+            click.echo("the same command goes on from here", err=True)
+        raise
+    finally:
+        LOG.removeHandler(handler)
+        LOG.setLevel(level)
 
 
 def _unknown(texts: Sequence[str]) -> dict[str, str | None]:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from warpwear.calibration.friction import effective_points
 from warpwear.calibration.measurements import (
     KINDS,
     OFF,
@@ -82,22 +81,17 @@ class MeasuredCourse:
         return thirds if all(third.stop - third.start >= FEWEST for third in thirds) else []
 
     @cached_property
-    def scatter(self) -> tuple[float, float]:
-        """Standard deviation of points about straight lines through its thirds, and of the mean of a third.
+    def scatter(self) -> float:
+        """Standard deviation of points about straight lines through its thirds, infinite without these.
 
-        They are medians, for friction that runs in is no line at first. The latter allows for points that
-        scatter together. Without thirds both are infinite.
+        It is the median, for friction that runs in is no line at first.
         """
-        thirds = self.thirds
-        if not thirds:
-            return np.inf, np.inf
-        square, of_mean = [], []
-        for third in thirds:
+        square = []
+        for third in self.thirds:
             x = self.distance[third] - self.distance[third].mean()
             residual = self.cof[third] - np.polyval(np.polyfit(x, self.cof[third], 1), x)
             square.append(float(np.sum(residual**2)) / (x.size - 2))
-            of_mean.append(square[-1] / effective_points(residual))
-        return float(np.sqrt(np.median(square))), float(np.sqrt(np.median(of_mean)))
+        return float(np.sqrt(np.median(square or [np.inf])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,8 +193,9 @@ def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measur
     if kind == "scar" and value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
         larger = "the scar is larger than the field of the study"
         raise InputError(f"{label}: {larger}, {study.grid.size} (grid.extent)")
-    if kind == "section" and study.sliding.stroke is None:
-        raise InputError(f"{label} needs sliding.stroke in the study: section × stroke is the disc's volume")
+    if kind == "section" and study.sliding.lap is None:
+        keys = "sliding.stroke or sliding.track_radius"
+        raise InputError(f"{label} needs {keys} in the study: section × that length is the disc's volume")
     if not PARTS[0] <= (part := (error or 0.0) / value) <= PARTS[1]:
         raise InputError(
             f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {PARTS[0]:g} to "

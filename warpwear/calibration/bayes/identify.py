@@ -1,26 +1,29 @@
 """Which unknowns the data tell, which they cannot tell apart, and what a study misses, in words.
 
 The Fisher information of the data at places of the posterior, in the standard normal numbers of the unknowns,
-says it: a direction with an eigenvalue below one is known from the prior alone. Where such a direction moves
-several unknowns each of which the data would tell if the others were known, these cannot be told apart; what
-is known is the direction across.
+says it: a direction with an eigenvalue below one is known from the prior alone. Unknowns that such directions
+move together cannot be told apart; what is known is the direction across.
 """
 
-from collections import Counter
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from warpwear import lazy
+from warpwear.calibration.bayes.data import MeasuredCourse
 from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.sampler import spread_of
+from warpwear.calibration.friction import OTHER_SHAPE, together
 from warpwear.calibration.measurements import KINDS
 from warpwear.ensembles.datum import CONTRADICTION
 from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
 
-#: Part of the test over which residuals go together from where on the computed course has another shape.
-OTHER_SHAPE = 0.5
+csgraph = lazy.module("scipy.sparse.csgraph")
+
 #: Standard uncertainty of a measured coefficient of friction as a part of it, at least.
 COF_ERROR = 0.02
 #: Start of a sentence on measurements that the study misses.
@@ -38,11 +41,10 @@ DRAWS = 400
 PLACES = 24
 #: Step of derivatives, in standard deviations of the prior.
 STEP = 1e-3
-#: Information, in that of the prior, below which data teach nothing, and above which they would tell an
-#: unknown.
-NOTHING, MUCH = 1.0, 4.0
-#: Least part in a direction that counts.
-PART = 0.25
+#: Information, in that of the prior, below which the prior tells more than the data.
+NOTHING = 1.0
+#: Least part of an unknown, squared, in directions of the prior from which they move it, and own it.
+MOVED, OWNED = 0.06, 0.5
 #: Information below which a single unknown is left as it was.
 UNTOUCHED = 0.1
 #: What is said where nothing else is.
@@ -67,10 +69,11 @@ class Indistinct:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What the data tell. indistinct: groups of unknowns; untouched: those that it says nothing of."""
+    """What the data tell. indistinct: groups of unknowns; untouched, hardly: of which they say too little."""
 
     indistinct: tuple[Indistinct, ...]
     untouched: tuple[str, ...]
+    hardly: tuple[str, ...]
     correlations: tuple[tuple[str, str, float], ...]
 
     @property
@@ -78,6 +81,7 @@ class Identified:
         """Say all of it."""
         lines = [str(group) for group in self.indistinct]
         lines += [f"These data say nothing of {key}: it stays as its prior has it." for key in self.untouched]
+        lines += [f"These data say little of {key}: its prior tells more." for key in self.hardly]
         lines += [
             f"{first} goes {'with' if r > 0.0 else 'against'} {second} (correlation {r:.2f}): knowing one "
             "better makes the other better known."
@@ -144,26 +148,30 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     """Find what the data tell, from samples of all unknowns: key -> (samples,), and z (samples, unknowns)."""
     keys = [unknown.key for unknown in posterior.model.unknowns]
     fisher = information(posterior, some_of(values, PLACES))
-    groups: Counter[tuple[str, ...]] = Counter()
-    for one in fisher:
-        sizes, vectors = np.linalg.eigh(one)
-        for vector in vectors.T[sizes < NOTHING]:
-            moved = [n for n in range(len(keys)) if abs(vector[n]) > PART and one[n, n] > MUCH]
-            if len(moved) > 1:
-                groups[tuple(keys[n] for n in moved)] += 1
-    indistinct = []
-    taken: set[str] = set()
-    for group, count in groups.most_common():
-        if count > PLACES // 2 and not taken & set(group):
-            taken |= set(group)
-            indistinct.append(Indistinct(group, _known(posterior, group, values), _why(posterior, group)))
     typical = np.median(np.diagonal(fisher, axis1=1, axis2=2), axis=0)
-    untouched = tuple(key for key, size in zip(keys, typical, strict=True) if size < UNTOUCHED)
+    touched = typical >= UNTOUCHED
+    sizes, vectors = np.linalg.eigh(fisher)
+    prior = vectors * (sizes < NOTHING)[:, None]
+    moved = np.median(np.abs(prior @ prior.transpose(0, 2, 1)), axis=0) * np.outer(touched, touched)
+    if touched.all() and np.median(sizes[:, 0]) < NOTHING and moved.max() < MOVED:
+        moved[:] = 1.0  # many unknowns, each a little
+    both = (moved > MOVED) & np.outer(*2 * [np.diagonal(moved) > MOVED])
+    _, labels = csgraph.connected_components(both, directed=False)
+    groups = [tuple(keys[n] for n in np.flatnonzero(labels == label)) for label in dict.fromkeys(labels)]
+    indistinct = [
+        Indistinct(group, _known(posterior, group, values), _why(posterior, group))
+        for group in groups
+        if len(group) > 1
+    ]
+    untouched = tuple(key for key, is_touched in zip(keys, touched, strict=True) if not is_touched)
+    alone = {group[0] for group in groups if len(group) == 1}
+    owned = zip(keys, np.diagonal(moved) > OWNED, strict=True)
+    hardly = tuple(key for key, is_owned in owned if is_owned and key in alone)
     count = len(keys)
     together = np.atleast_2d(np.corrcoef(z[:, :count].T))
     pairs = np.argwhere(np.tril(np.abs(together) > STRONG, -1))
     strong = tuple((keys[i], keys[j], float(together[i, j])) for i, j in pairs)
-    return Identified(tuple(indistinct), untouched, strong)
+    return Identified(tuple(indistinct), untouched, hardly, strong)
 
 
 def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, FloatArray]) -> str:
@@ -171,7 +179,8 @@ def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, Float
     columns = [values[key] for key in group]
     if set(group) == {"wear.counter", "wear.disc"} and posterior.model.runs.scaled:
         total = np.sum(columns, axis=0)
-        return f"the sum {' + '.join(group)}, {total.mean():.3g} ± {total.std():.2g} mm³/(N·m)"
+        middle, half, _ = spread_of(total)
+        return f"the sum {' + '.join(group)}, {middle:.3g} ± {half:.2g} mm³/(N·m)"
     if min(float(column.min()) for column in columns) <= 0.0 or "friction.ploughing" in group:
         return "a combination of them"
     powers = _powers(columns)
@@ -179,16 +188,16 @@ def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, Float
     written = " · ".join(
         key if abs(p - 1.0) < 0.005 else f"{key}^{p:.2g}" for key, p in zip(group, powers, strict=True)
     )
-    return f"the product {written}, to ± {100.0 * float(np.std(total)):.2g} %"
+    return f"the product {written}, to ± {100.0 * spread_of(total)[1]:.2g} %"
 
 
 def _powers(columns: list[FloatArray]) -> FloatArray:
-    """Return powers of positive unknowns, the first 1, whose product scatters least."""
+    """Return powers of positive unknowns, the largest 1, whose product scatters least."""
     logs = np.log(np.array(columns))
     spread = logs.std(axis=1)
     _, vectors = np.linalg.eigh(np.corrcoef(logs))
     powers = vectors[:, 0] / spread
-    return np.asarray(powers / powers[0])
+    return np.asarray(powers / powers[np.argmax(np.abs(powers))])
 
 
 def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
@@ -224,7 +233,8 @@ def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dic
         else:
             mean, variance = posterior.model.value(values, measured.kind)
         off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
-        numbers = {"mean": float(mean.mean()), "sd": float(np.sqrt(mean.var() + variance.mean())), "off": off}
+        numbers = {"mean": float(mean.mean()), "sd": math.hypot(spread_of(mean)[1], variance.mean() ** 0.5)}
+        numbers["off"] = off
         given = {"measured": measured.value, "error": measured.error, "fitted": True}
         rows.append({"what": measured.text, **numbers, "unit": measured.unit, **given})
     return rows + _friction_rows(posterior, values)
@@ -233,10 +243,10 @@ def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dic
 def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dict[str, Any]]:
     """Return level, rise and shape of every measured course beside the computed ones, a row each.
 
-    They are combinations of the means over the thirds of its distance. Their uncertainty is that which the
-    points themselves show, and of a level at least that of a tribometer, or of repeats among each other.
+    They are combinations of the means over the thirds of its distance. Their uncertainty is that of the noise
+    that was fitted, and of a level at least that of a tribometer, or of repeats among each other.
     """
-    rows = []
+    rows, some = [], some_of(values, PLACES)
     for course in posterior.data.courses:
         if not course.thirds:
             continue
@@ -247,20 +257,26 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             name: np.stack([lines[..., third].mean(axis=-1) for third in course.thirds], axis=-1)
             for name, lines in kinds.items()
         }
-        level = float(means["measured"][0, -1])
+        level, noise = float(means["measured"][0, -1]), _noise_of(course, some)
         for what, weights in PARTS.items():
             measured, computed, emulated = (means[name] @ np.array(weights) for name in kinds)
-            size = float(np.hypot.reduce(weights))
-            error = size * float(np.hypot(course.scatter[1], COF_ERROR * abs(level)))
+            error = np.sqrt(weights @ noise @ weights + (COF_ERROR * level) ** 2 * np.dot(weights, weights))
             error = float(np.hypot(error, posterior.data.between)) if what == LEVEL else error
             variance = float(np.mean(np.sum(emulated**2, axis=-1)))
-            deviation = float(np.sqrt(computed.var() + variance))
+            deviation = math.hypot(spread_of(computed)[1], variance**0.5)
             value, mean = float(measured[0]), float(computed.mean())
             off = abs(mean - value) / float(np.hypot(error, np.sqrt(variance)))
             row = {"what": f"{course.name}: {what} {value:.3g} ± {error:.2g}", "mean": mean, "sd": deviation}
             given = {"measured": value, "error": error, "fitted": True}
             rows.append(row | {"off": off, "unit": ""} | given)
     return rows
+
+
+def _noise_of(course: MeasuredCourse, values: Mapping[str, FloatArray]) -> FloatArray:
+    """Return the covariance of means over thirds of a course by the noise that was fitted, (3, 3)."""
+    deviation, length = (values[f"noise.{name}"][:, None, None] for name in ("deviation", "length"))
+    covariance = np.mean(deviation**2 * together(course.distance, length), axis=0)
+    return np.array([[covariance[a, b].mean() for b in course.thirds] for a in course.thirds])
 
 
 def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:

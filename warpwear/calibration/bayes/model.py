@@ -132,8 +132,8 @@ class ForwardModel:
         """Return a value of `KINDS` at the end of the test and its variance, both (samples,)."""
         if kind == "section":
             volume, variance = self.value(values, "volume_disc")
-            stroke = self.study.sliding.stroke or math.nan
-            return volume / stroke, variance / stroke**2
+            length = self.study.sliding.lap or math.nan
+            return volume / length, variance / length**2
         end = np.full((_count(values), 1), self.study.sliding.total)
         if kind not in self._values:  # a volume, where results scale
             law = self._wear_laws(values)[BODIES.index(kind.removeprefix("volume_"))]

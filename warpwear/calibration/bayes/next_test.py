@@ -1,7 +1,8 @@
 """The next test: of several, the one from which an unknown is expected to become best known.
 
 Every candidate is a study with other keys, or the same one again. What it would measure, with the
-uncertainties of this test, adds information; the variance that is left is averaged over the posterior.
+uncertainties of this test, adds information; the variance of the unknown itself that is left is averaged over
+the posterior, for one more test and for many.
 """
 
 from bisect import bisect_left
@@ -12,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.bayes.data import Data
-from warpwear.calibration.bayes.identify import information, some_of
+from warpwear.calibration.bayes.identify import STEP, information, some_of
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.bayes.model import ForwardModel
+from warpwear.calibration.bayes.sampler import spread_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.study.study import Study
@@ -94,28 +96,28 @@ def best_tests(
 
     values: samples of the posterior. Raises InputError.
     """
-    place, now = place_of(posterior, target), _relative(values[target])
-    some = some_of(values, PLACES)
-    known = information(posterior, some)
+    now, some = _relative(values[target]), some_of(values, PLACES)
+    known, slopes = information(posterior, some), _slopes(posterior, some, target)
     tests = []
     for candidate in candidates:
-        part = _left(known, candidate.repeats * information(_after(posterior, candidate), some), place)
+        part = _left(known, candidate.repeats * information(_after(posterior, candidate), some), slopes)
         tests.append(NextTest(candidate.label, candidate.repeats, now, now * part))
     return sorted(tests, key=lambda test: test.expected)
 
 
 def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> int | None:
     """Return how many more tests like this one bring an unknown to ± 10 %, None where none do."""
-    place, now = place_of(posterior, target), _relative(values[target])
-    known = information(posterior, some_of(values, PLACES))
+    now, some = _relative(values[target]), some_of(values, PLACES)
+    known, slopes = information(posterior, some), _slopes(posterior, some, target)
     every = range(MOST_REPEATS + 1)
-    reached = bisect_left(every, True, key=lambda n: now * _left(known, n * known, place) <= REACHED)
+    reached = bisect_left(every, True, key=lambda n: now * _left(known, n * known, slopes) <= REACHED)
     return reached if reached in every else None
 
 
 def _relative(column: FloatArray) -> float:
     """Return the relative standard uncertainty of samples."""
-    return float(np.std(column) / abs(np.mean(column)))
+    middle, half, _ = spread_of(column)
+    return half / abs(middle)
 
 
 def place_of(posterior: Posterior, target: str) -> int:
@@ -126,15 +128,25 @@ def place_of(posterior: Posterior, target: str) -> int:
     return keys.index(target)
 
 
-def _left(known: FloatArray, added: FloatArray, place: int) -> float:
+def _slopes(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> FloatArray:
+    """Return slopes of an unknown over the standard normal numbers of all, (samples, unknowns)."""
+    place = place_of(posterior, target)
+    unknown = posterior.model.unknowns[place]
+    z, slopes = unknown.normal(values[target]), np.zeros((values[target].size, len(posterior.model.unknowns)))
+    slopes[:, place] = (unknown.values(z + STEP) - unknown.values(z - STEP)) / (2.0 * STEP)
+    return slopes
+
+
+def _left(known: FloatArray, added: FloatArray, slopes: FloatArray) -> float:
     """Return the part of a standard uncertainty that added information leaves, by the mean variance.
 
     known: information of the data so far, added: of more, both (samples, unknowns, unknowns); the prior's is
-    one.
+    one. slopes: of the unknown, (samples, unknowns).
     """
     prior = np.eye(known.shape[1])
-    before, after = np.linalg.inv(prior + known), np.linalg.inv(prior + known + added)
-    return float(np.sqrt(after[:, place, place].mean() / before[:, place, place].mean()))
+    both = (np.linalg.inv(prior + known), np.linalg.inv(prior + known + added))
+    before, after = (np.einsum("si,sij,sj->s", slopes, covariance, slopes).mean() for covariance in both)
+    return float(np.sqrt(after / before))
 
 
 def _after(posterior: Posterior, candidate: Candidate) -> Posterior:

@@ -11,6 +11,7 @@ import tomli_w
 
 from warpwear.calibration.bayes.result import Inference
 from warpwear.calibration.bayes.runs import other_surfaces
+from warpwear.calibration.bayes.sampler import spread_of
 from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
@@ -87,9 +88,10 @@ def content_of(inference: Inference) -> dict[str, Any]:
         "sentences": inference.sentences,
         "indistinct": [list(group.keys) for group in inference.identified.indistinct],
         "untouched": list(inference.identified.untouched),
+        "hardly_told": list(inference.identified.hardly),
         "target": inference.target,
         "next_tests": tests,
-        "more_tests_to_10_percent": dict(inference.repeats),
+        "more_tests_to_10_percent": inference.more_tests,
         "samples": {name: getattr(inference.samples, name) for name in ("effective", "r_hat", "steps")},
         "runs": len(inference.posterior.model.runs.rows),
         "emulator_error": inference.posterior.model.error,
@@ -135,7 +137,7 @@ def calibrated(inference: Inference) -> str:
 def _distribution(unknown: Unknown, inference: Inference) -> str:
     """Write a posterior as a distribution of a sweep."""
     column = inference.values[unknown.key]
-    mean, deviation = float(column.mean()), float(column.std())
+    mean, deviation, _ = spread_of(column)
     kind, cut = "normal", ""
     if unknown.least >= 0.0 and mean > 0.0 and (unknown.prior.is_logarithmic or mean < 4.0 * deviation):
         kind = "log-normal"

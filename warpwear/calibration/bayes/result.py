@@ -12,7 +12,7 @@ from warpwear.calibration.bayes import figures
 from warpwear.calibration.bayes.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.bayes.next_test import MOST_REPEATS, REACHED, NextTest
-from warpwear.calibration.bayes.sampler import Samples
+from warpwear.calibration.bayes.sampler import Samples, split_of, spread_of
 from warpwear.calibration.bayes.unknowns import NOISE, Unknown
 from warpwear.errors import InputError
 from warpwear.figures import describe
@@ -136,19 +136,42 @@ class Inference:
                 "One course of friction: scatter between tests is not in these uncertainties; repeated "
                 "tests would show it."
             )
-        for key, repeats in self.repeats.items():
-            now = f"{key} is known to ± {100.0 * self.values[key].std() / self.values[key].mean():.2g} %"
+        lines += self._in_two_groups
+        for key, repeats in self.more_tests.items():
+            middle, half, _ = spread_of(self.values[key])
+            now = f"{key} is known to ± {100.0 * half / middle:.2g} %"
             now += "" if data.repeated else " of this test"
             goal, more = f"± {100 * REACHED:.0f} %", f"; {repeats} more tests like this bring it to"
             more = "; 1 more test like this brings it to" if repeats == 1 else more
             more = f"; {MOST_REPEATS} more like it do not bring it to" if repeats is None else more
             lines.append(f"{now}{', within' if repeats == 0 else more} {goal}.")
-        if self.tests:
+        if self.tests and not self.misses:
             best = self.tests[0]
             lines.append(
                 f"For {self.target} the best next test of those listed is {best.label}: ± "
                 f"{100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
             )
+        return lines
+
+    @property
+    def more_tests(self) -> dict[str, int | None]:
+        """Keep of `repeats` what data tell: nothing of a study that misses them, or the prior decides."""
+        told = self.identified
+        apart = {key for group in told.indistinct for key in group.keys}
+        by_prior = apart | {*told.untouched, *told.hardly, *(unknown.key for unknown, _ in self._pressing)}
+        return {} if self.misses else {k: count for k, count in self.repeats.items() if k not in by_prior}
+
+    @property
+    def _in_two_groups(self) -> list[str]:
+        """Say which unknowns have two groups of values."""
+        lines = []
+        for key, column in self.values.items():
+            if lower := split_of(column, self.samples.effective):
+                x, count = np.sort(column), column.size
+                few, side = min(
+                    (lower, f"up to {x[lower - 1]:.3g}"), (count - lower, f"from {x[lower]:.3g} on")
+                )
+                lines.append(f"{key} has two groups of values: {100 * few / count:.2g} % lie {side}.")
         return lines
 
     @property
@@ -288,24 +311,24 @@ class Inference:
         raise InputError(f"'{name}' is no figure of an inference; there are corner and course")
 
     @property
-    def _cells(self) -> list[list[str]]:
+    def cells(self) -> list[list[str]]:
         """Return the table for people, its head first."""
         cells = [["unknown", "mean ± sd", "5 %", "95 %", "unit", "prior", "learnt"]]
         for row in self.table:
-            numbers = [f"{row['mean']:.4g} ± {row['sd']:.2g}", f"{row['low']:.4g}", f"{row['high']:.4g}"]
-            prior = row["prior"] + " (assumed)" * row["assumed"]
-            learnt = "at its end" if row["pressed"] else f"{100 * row['learnt']:.0f} %"
+            numbers = [_spread(self.values[row["key"]]), f"{row['low']:.4g}", f"{row['high']:.4g}"]
+            prior, part = row["prior"] + " (assumed)" * row["assumed"], 100 * row["learnt"]
+            learnt = "at its end" if row["pressed"] else f"{part:.0f} %" if part < 99.5 else "over 99 %"
             cells.append([row["key"], *numbers, row["unit"], prior, learnt])
         return cells
 
     def __repr__(self) -> str:
-        found = (f"{r['key']} = {r['mean']:.4g} ± {r['sd']:.2g} {r['unit']}".rstrip() for r in self.table)
+        found = (f"{r['key']} = {_spread(self.values[r['key']])} {r['unit']}".rstrip() for r in self.table)
         return f"<inference of '{self.study.study.name}': {', '.join(found)}>"
 
     def __str__(self) -> str:
         """Write table and sentences for the screen."""
         what = "fitted unknowns of a study that misses its data" if self.misses else "unknowns after the test"
-        lines = [*self.conflicts[: self.misses], *_titled(f"{self.study.study.name}: {what}", self._cells)]
+        lines = [*self.conflicts[: self.misses], *_titled(f"{self.study.study.name}: {what}", self.cells)]
         apart, worst = [], 0.0
         for row in self.computed():
             worst = max(worst, row["off"])
@@ -313,7 +336,7 @@ class Inference:
             apart.append([row["what"], value, f"{row['off']:.1f} standard uncertainties apart"])
         lines += _titled(f"measured and computed, the worst {worst:.1f} apart; all were fitted", apart)
         lines += [f"  {sentence}" for sentence in self.sentences[self.misses :]]
-        if self.tests:
+        if self.tests and not self.misses:
             tests = [[t.label, counted(t.repeats, "test"), f"± {100 * t.expected:.2g} %"] for t in self.tests]
             lines += _titled(f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %", tests)
         return "\n".join([*lines, f"  {self.how}"])
@@ -332,6 +355,12 @@ class Inference:
         runs, total = self.posterior.model.runs, self.study.sliding.total
         first = max(float(row.courses["distance"][0]) for row in runs.rows)
         return np.linspace(min(first, 0.002 * total) if runs.scaled else first, total, POINTS)
+
+
+def _spread(column: FloatArray) -> str:
+    """Write samples as mean ± standard deviation, or as what says more of them."""
+    middle, half, by_quantiles = spread_of(column)
+    return f"{middle:.4g} ± {half:.2g}{' (median, 16 to 84 %)' * by_quantiles}"
 
 
 def _titled(title: str, cells: list[list[str]]) -> list[str]:

@@ -27,6 +27,15 @@ BURN_IN = 0.3
 TIMES, LARGEST_R = 50.0, 1.01
 #: Samples that are kept.
 KEPT = 4000
+#: Percentiles one standard deviation from the middle of a normal distribution.
+SIDES = (15.866, 84.134)
+#: Ratio of a standard deviation and half of what lies between these from which they disagree.
+DISAGREE = 1.25
+#: Deviation as a part of a mean that is rounding.
+ROUNDING = 1e-12
+#: Two groups of samples: fewest at the peak of each, how many times fewer between them in a quarter of a
+#: deviation, and quarters without any.
+GROUP, FEWER, FAR = 10, 5, 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +103,38 @@ def split_r(chains: FloatArray) -> FloatArray:
     within = parts.var(axis=1, ddof=1).mean(axis=0)
     between = parts.mean(axis=1).var(axis=0, ddof=1)
     return np.asarray(np.sqrt(1.0 + between / np.maximum(within, 1e-300)))
+
+
+def spread_of(column: FloatArray) -> tuple[float, float, bool]:
+    """Return mean and standard deviation of samples; where few of them make it, median and quantiles.
+
+    The third is whether it is so: then the second is half of what lies between 16 and 84 % of the samples.
+    """
+    mean, deviation = float(column.mean()), float(column.std())
+    if deviation <= ROUNDING * abs(mean):
+        return mean, 0.0, False
+    low, high = np.percentile(column, SIDES)
+    half = 0.5 * float(high - low)
+    if half / DISAGREE <= deviation <= half * DISAGREE:
+        return mean, deviation, False
+    return float(np.median(column)), half, True
+
+
+def split_of(column: FloatArray, effective: float) -> int | None:
+    """Return how many of the samples, in their order, lie in the lower of two groups; None of one group."""
+    x = np.sort(column)
+    width = 0.25 * float(np.subtract(*np.percentile(x, SIDES[::-1])))
+    places, ends = np.arange(x.size), np.searchsorted(x, x + width, "right")
+    below, above = places + 1 - np.searchsorted(x, x - width), ends - places  # in a window at each sample
+    fewest = GROUP * max(x.size / effective, 1.0)
+    far = (np.diff(x) > FAR * width) & (np.minimum(places[1:], x.size - places[1:]) >= fewest)
+    if far.any():
+        return int(np.argmax(far)) + 1
+    lower, upper = np.maximum.accumulate(below), np.append(np.maximum.accumulate(above[::-1])[::-1], 0)[ends]
+    peak = np.minimum(lower, upper)
+    deepest = int(np.argmax(peak - FEWER * (above - 1)))
+    is_split = peak[deepest] >= max(fewest, FEWER * (above[deepest] - 1))
+    return deepest + 1 if is_split else None
 
 
 def _ensemble(

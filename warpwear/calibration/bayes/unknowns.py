@@ -16,6 +16,7 @@ from warpwear.batches.distributions import Distribution, distribution
 from warpwear.calibration.bayes.data import Data
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.laws.friction import STRENGTH
 from warpwear.study.keys import attribute_of, key_of, no_such_key
 from warpwear.study.sections.wear import ArchardCoefficient
 from warpwear.study.study import Study
@@ -117,7 +118,7 @@ def noise_for(data: Data, priors: Mapping[str, str | None]) -> list[Unknown]:
         return []
     spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
     longest = max(float(course.distance[-1]) for course in data.courses)
-    scatter = max(course.scatter[0] for course in data.courses)
+    scatter = max(course.scatter for course in data.courses)
     most = min(max(AT_LEAST, SCATTERS * scatter), LARGEST)
     apart = min(max(APART, SCATTERS * data.between), LARGEST)
     assumed = {
@@ -139,7 +140,7 @@ def noise_for(data: Data, priors: Mapping[str, str | None]) -> list[Unknown]:
 
 def _unknown(study: Study, key: str, text: str | None) -> Unknown:
     """Read the unknown of a key. text: its prior, None for one about the study's value. Raises InputError."""
-    field = key_of(Study, key)
+    field, assumed = key_of(Study, key), text is None
     if field is None:
         raise InputError(no_such_key(Study, key))
     kinds = [*field.metadata, *_inside(field.annotation)]
@@ -150,8 +151,22 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
     unit = study.wear.unit if wear else getattr(kind, "unit", "")
     allowed = Range(or_equal=True) if kind is None else kind.range
     own = number_of(study, key)
+    if own is None and key == f"friction.{STRENGTH}" and text is None:
+        text = _strength(study)
     prior = _about(key, own, unit) if text is None else _in_unit(_read(text, key), unit, key)
-    return _within_allowed(Unknown(key, prior, unit, allowed.least, allowed.most, assumed=text is None))
+    return _within_allowed(Unknown(key, prior, unit, allowed.least, allowed.most, assumed=assumed))
+
+
+def _strength(study: Study) -> str | None:
+    """Write a prior of a shear strength that a coefficient stands for, None where nothing bounds it.
+
+    It goes from what all of the field would need to beyond that of the hardness, H/(3√3).
+    """
+    hardness, sides, cof = study.pair.indentation_hardness, study.grid.sides, study.friction.coefficient
+    if cof is None or not math.isfinite(hardness) or not math.isfinite(math.prod(sides)):
+        return None
+    low, high = cof * study.contact.load / math.prod(sides), FACTOR * hardness / (3.0 * math.sqrt(3.0))
+    return f"log-uniform {low:.3g} .. {high:.3g} MPa" if low < high else None
 
 
 def _inside(annotation: Any) -> list[Any]:

@@ -297,7 +297,8 @@ def _contact_of(
         gap_after[rows] *= task.length
         np.multiply(p, task.pressure, out=pressure[rows])
         if hardness is not None:
-            np.minimum(pressure[rows], hardness, out=pressure[rows])
+            below = np.nextafter(hardness, 0.0)  # so that what is at the hardness is known to the cell
+            np.minimum(pressure[rows], below, out=pressure[rows])
             pressure[rows][p >= task.cap] = hardness
         return float(pressure[rows].sum()), int(np.count_nonzero(p > 0.0))
 

@@ -13,6 +13,7 @@ The passes are in `kernels.half_space.passes`, the rules in `decisions` and `ste
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -111,7 +112,6 @@ class Search:
         self._slots = slots
         #: Ranges of slots for the threads, as of `Program.launch`.
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
-        self._program = self._make_program()
 
     def streak(self, window: int) -> None:
         """Tell over how many cells along x the pressures are averaged that pass a cell."""
@@ -162,7 +162,8 @@ class Search:
         """Return the certificate of the last pressure, whose search must have been asked for one."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
-    def _make_program(self) -> Program:
+    @cached_property
+    def _program(self) -> Program:
         program = Program(self._executor)
         self.add_to(program)
         return program

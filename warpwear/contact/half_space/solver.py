@@ -121,6 +121,11 @@ class BoundedPressure:
         self.started = False
 
     @property
+    def operator(self) -> Influence:
+        """Return what displaces by a pressure."""
+        return self._influence
+
+    @property
     def pressure_field(self) -> Field:
         """Return where the next solve starts, to be changed in place between 0 and H [MPa]."""
         return self._fields["pressure"]

@@ -39,9 +39,9 @@ ROOM = 0.1
 SMALLER = 0.5
 #: Load that a window made for a load can carry at the hardness, over the load asked for.
 CAPACITY = 2.0
-#: Solvers of windows that are there for the next time, and cells of the largest of them.
-MOST_STORED = 4
-MOST_CELLS_STORED = 2**18
+#: Solvers of windows that are there for the next time, and cells of all of them.
+MOST_STORED = 16
+MOST_CELLS_STORED = 2**20
 #: Rows of a grid that repeats across, over its columns, from which windows pay: under a line of pressure
 #: everything sinks within the grid's length, and waves across are gone at that distance.
 LEAST_LONG = 2
@@ -418,6 +418,18 @@ class WindowedHalfSpace:
         if whole and self._has_windows:
             self._shrink(self._reached(), load, 2 * rows, least * self._hardness)
 
+    def outgrows(self, *, rows: int) -> bool:
+        """Tell whether the contact found last reaches beyond the window; look at a larger one then.
+
+        rows: of a mean along x.
+        """
+        reached = self._reached()
+        if not self._has_windows or self._window is None or self._window.holds(reached):
+            return False
+        self._started = True
+        self._look_at(self._around(reached, rows=2 * rows))
+        return True
+
     def _reached(self) -> tuple[int, int, int, int]:
         """Return the extents of the cells that the last contact reaches."""
         first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
@@ -453,10 +465,11 @@ class WindowedHalfSpace:
         """Solve there from now on."""
         grid = window.grid(self._executor.grid)
         if self._window is None or grid != self._window.grid(self._executor.grid):
-            self._here, most = None, MOST_CELLS_STORED if grid.cells <= MOST_CELLS_STORED else 0
-            stored = {at: here for at, here in self._stored.items() if at.cells <= most}
-            self._stored = dict([*stored.items()][-MOST_STORED + 1 :])
-            self._here = self._stored[grid] = stored.get(grid) or OnWindow(self._executor, grid, **self._law)
+            self._here = self._stored.pop(grid, None)
+            cells = np.cumsum([grid.cells, *(at.cells for at in reversed(self._stored))])
+            fits = min(max(int(np.count_nonzero(cells <= MOST_CELLS_STORED)), 1), MOST_STORED)
+            self._stored = dict([*self._stored.items()][len(cells) - fits :])
+            self._here = self._stored[grid] = self._here or OnWindow(self._executor, grid, **self._law)
         self._window = window
         assert self._here is not None
         self._executor.put(self._here.first, [window.first_row, window.first])

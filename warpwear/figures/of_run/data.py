@@ -14,7 +14,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.figures.of_run.view import Cutout, Fields, FilmState, PatchLoads, State, View, or_nan
-from warpwear.figures.wording import chosen
+from warpwear.figures.wording import after, chosen, short
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
@@ -79,6 +79,12 @@ class FigureData:
     def groove(self) -> str:
         """What figures call the place where the disc wears: a groove where the contact leaves it."""
         return "groove" if self.study.is_swept and not is_short(self.result) else "scar"
+
+    def after(self, distance: float) -> str:
+        """Say when a snapshot was taken, of fretting in cycles. distance: in mm."""
+        if self.study.fretting is None or not distance:
+            return after(distance)
+        return f"after {short(float(f'{distance / self.study.fretting.cycle:.3g}'))} cycles"
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "counter" or "disc"."""

@@ -11,7 +11,7 @@ from warpwear.figures.describe import Axis, Box, Chart, Figure, Line, Look, Map,
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import Cutout, FilmState, State, positive
-from warpwear.figures.wording import after, with_scatter
+from warpwear.figures.wording import with_scatter
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, Quantity
 from warpwear.laws import archard
@@ -60,14 +60,32 @@ def pressure_map(data: FigureData) -> Figure:
     fields, rows = [view.pressure for view in data.views], [view.row for view in data.views]
     scale = pressure_scale(fields, [means[row] for row in rows], "pressure in contact, MPa")
     notes = [f"{with_scatter(float(means[row]), float(scatter[row]))} MPa" for row in rows]
-    return of_views(data, "Pressure in contact", [*map(positive, fields)], notes, scale=scale)
+    theory = [_hertz_line(data.study.hertz)] if data.study.hertz else []
+    return of_views(data, "Pressure in contact", [*map(positive, fields)], notes, *theory, scale=scale)
+
+
+def _hertz_line(theory: Any) -> Line:
+    """Draw Hertz's pressure along sliding, of unworn smooth bodies."""
+    r = np.linspace(-theory.semi_axes[0], theory.semi_axes[0], 401)
+    return Line(r, theory.pressure(np.abs(r)), "Hertz, unworn bodies", Look(describe.NEUTRAL, "dash"))
 
 
 def of_views(
-    data: FigureData, title: str, fields: Sequence[Any], notes: Sequence[str], **more: Any
+    data: FigureData, title: str, fields: Sequence[Any], notes: Sequence[str], *beside: Line, **more: Any
 ) -> Figure:
-    """Lay out a map of each snapshot shown; notes: what is said above each. more: of the `Map`."""
-    labels = [after(view.distance) for view in data.views]
+    """Lay out a map of each snapshot shown; notes: what is said above each. more: of the `Map`.
+
+    Of a line contact the fields are lines along sliding, with others beside them.
+    """
+    labels = [data.after(view.distance) for view in data.views]
+    if words.NARROW.applies(data):
+        rows = [np.nan_to_num(field).mean(axis=1) for field in fields]
+        x = np.linspace(*data.window.extent[:2], 2 * rows[0].size + 1)[1::2]
+        lines = describe.lines_in_time(
+            describe.CONTACT, [(x, *row) for row in zip(rows, labels, strict=True)]
+        )
+        axes = Axis(describe.ALONG), Axis(more["scale"].label, low=0.0)
+        return Figure([Chart(title, *axes, [*lines, *beside])], legend=2)
     panel = Map(title, fields, data.window.extent, labels=labels, notes=notes, **more)
     return Figure([panel], legend=4 if len(fields) > 1 else 2)
 
@@ -85,7 +103,7 @@ def pressure_3d(data: FigureData) -> Figure:
     boxes = []
     for index, (pressure, blocks) in zip(indices, fields, strict=True):
         side = blocks * data.window.factor * data.study.grid.cell
-        when = after(data.snapshot(index).distance)
+        when = data.after(data.snapshot(index).distance)
         towers = Towers(pressure, (data.window.extent[0], data.window.extent[2]), side, scale)
         note = f"{when}\nload over area, {1e3 * side:.3g} µm squares"
         top = 1.15 * float(pressure.max())
@@ -108,14 +126,14 @@ def pressure_profiles(data: FigureData) -> Figure:
         pressure = Axis(label, "log", 0.2 * min(seen), 1.5 * max(seen))
     panels = []
     ways = (("along", describe.ALONG, "Along sliding"), ("across", describe.ACROSS, "Across it"))
-    for cut, place, title in ways:
-        states = [(v.cuts[cut]["bins"], v.cuts[cut]["pressure"], after(v.distance)) for v in data.views]
+    for cut, place, title in ways[: data.study.cells.ny]:
+        states = [(v.cuts[cut]["bins"], v.cuts[cut]["pressure"], data.after(v.distance)) for v in data.views]
         lines = describe.lines_in_time(describe.CONTACT, states)
         panels.append(Chart(title, Axis(place), pressure, lines))
     return Figure(panels, legend=4, shared="y")
 
 
-@words.figure(*words.FIELD, essential=True, section="maps")
+@words.figure(words.NARROW, *words.FIELD, essential=True, section="maps")
 def contact_map(data: FigureData) -> Figure:
     """State of the cells {when}; above each the area in contact.{blocks}"""
     area = data.history["area_contact"]
@@ -124,7 +142,7 @@ def contact_map(data: FigureData) -> Figure:
     return of_views(data, "State of contact", fields, notes, states=tuple(STATES.values()))
 
 
-@words.figure(words.NO_FILM, *words.FIELD, essential=True, section="maps")
+@words.figure(words.NO_FILM, words.NARROW, *words.FIELD, essential=True, section="maps")
 def bare_map(data: FigureData) -> Figure:
     """Where the film is gone {when}; above each the bare part of the area in contact.{blocks}"""
     fraction = data.history["bare_fraction"]
@@ -166,9 +184,7 @@ def hertz(data: FigureData) -> Figure:
     """
     theory, places, row = data.study.hertz, data.result.x, data.result.y.size // 2
     assert theory is not None  # or the figure is left out
-    r = np.linspace(0.0, theory.semi_axes[0], 200)
-    both = np.concatenate([-r[::-1], r])
-    unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(describe.NEUTRAL, "dash"))
+    unworn = _hertz_line(theory)
     panels: list[Chart] = []
     for index in (data.indices[0], data.indices[-1]):
         snapshot = data.snapshot(index)
@@ -183,7 +199,7 @@ def hertz(data: FigureData) -> Figure:
             median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
             ends = 0.3 * median, 2.0 * theory.peak_pressure
             pressure = Axis("pressure, MPa", "log", *ends)
-        when, along = after(snapshot.distance), Axis(describe.ALONG, low=-half, high=half, ticks=5)
+        when, along = data.after(snapshot.distance), Axis(describe.ALONG, low=-half, high=half, ticks=5)
         panels.append(Chart(when, along, pressure, [unworn, worn], when))
     return Figure(panels, legend=2)
 
@@ -204,7 +220,7 @@ def distance_factor(data: FigureData) -> Figure:
 @words.figure(*words.PATCHES, essential=True, section="load_share")
 def load_share(data: FigureData) -> Figure:
     """Load of each patch over its area {when}{smooth}."""
-    loads, labels = data.loads, [after(distance) for distance in data.distances]
+    loads, labels = data.loads, [data.after(distance) for distance in data.distances]
     fields = [field for shares in loads.of.values() for field in shares]
     means = [float(field[field > 0.0].mean()) for field in fields]
     scale = pressure_scale(fields, means, "load over area, MPa")
@@ -236,7 +252,7 @@ def patch_zoom(data: FigureData) -> Figure:
         near, alone = (_around(patches, half, neighbours) for neighbours in (NEIGHBOURS, 0))
         top = float(snapshot.pressure[near.x, near.y].max())
         loads = Scale("load/area, MPa", 0.0, float(carried.max()))
-        title = f"{after(snapshot.distance)}: patches"
+        title = f"{data.after(snapshot.distance)}: patches"
         maps.append(Map(title, [positive(carried)], window.extent, loads, [title], frames=[near.extent]))
         parts = {"around one of them": (near, [alone.extent])}
         parts[f"this patch: {share[half]:.3g} N"] = (alone, [])

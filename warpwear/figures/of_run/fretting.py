@@ -12,16 +12,14 @@ from warpwear.figures.of_run.fields import of_views
 from warpwear.figures.of_run.history import axis_of, look_of
 from warpwear.figures.of_run.shape import cuts_of
 from warpwear.figures.of_run.view import positive
-from warpwear.figures.wording import chosen, short
+from warpwear.figures.wording import short
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.laws.archard import BODIES
 from warpwear.laws.fretting import RING, displacement, loop
 
-#: Loops beside each other, and of a log of them; decades of cycles that a loop of the log is wide.
-LOOPS, LOGGED, WIDE = 4, 12, 0.25
-DISPLACEMENT = "displacement, µm"
-FORCE = "tangential force, N"
+#: Loops in one figure.
+LOOPS = 4
 CYCLES = "cycles, –"
 
 
@@ -42,33 +40,26 @@ def _loop(data: FigureData, row: int) -> tuple[FloatArray, FloatArray]:
 
 @words.figure(words.NO_FRETTING, words.NO_DRIVE, essential=True, section="fretting")
 def fretting_loops(data: FigureData) -> Figure:
-    """Tangential force over the displacement of the drive in some cycles, and, as a log, of cycles spread
-    over the test. Tips and area of a loop are computed; between them it is a power law of that area.
+    """Tangential force over the displacement of the drive in some cycles, spread over the decades of the
+    test. Tips and area of a loop are computed; between them it is a power law of that area.
     """
     cycles = _cycles(data)
-    rows = {row: short(float(f"{max(cycles[row], 1.0):.2g}")) for row in chosen(cycles.size, LOOPS)}
+    spread = np.searchsorted(cycles, np.geomspace(max(cycles[0], 1.0), cycles[-1] * (1.0 - 1e-9), LOOPS))
+    rows = {int(row): short(float(f"{max(cycles[row], 1.0):.2g}")) for row in np.unique(spread)}
     states = [(*_loop(data, row)[::-1], f"cycle {number}") for row, number in rows.items()]
     lines = lines_in_time(describe.CONTACT, states)
     limit = data.study.friction.coefficient * float(data.history["load"][-1])
     levels = [Level(sign * limit, look=Look(describe.NOMINAL, "dash", 0.8)) for sign in (1.0, -1.0)]
     note = "dashed: coefficient × load"
-    panels = [Chart("Loops", Axis(DISPLACEMENT), Axis(FORCE), [*lines, *levels], note)]
-    widest = max(float(line.x.max()) for line in lines)
-    log, thin = [], Look(describe.CONTACT, width=0.8)
-    for row in chosen(cycles.size, LOGGED):
-        force, place = _loop(data, row)
-        if cycles[row] > 0.0:
-            log.append(Line(cycles[row] * 10.0 ** (WIDE * place / widest), force, look=thin))
-    wide = f"loops drawn about their cycle, widest ± {widest:.3g} µm"
-    panels.append(Chart("Fretting log", Axis(CYCLES, "log"), Axis(FORCE), log, wide))
-    return Figure(panels, legend=LOOPS, shared="")
+    panels = [Chart("Loops", Axis("displacement, µm"), Axis("tangential force, N"), [*lines, *levels], note)]
+    return Figure(panels, legend=LOOPS // 2, height=3.0)
 
 
 @words.figure(words.NO_FRETTING, words.NO_DRIVE, words.NO_HERTZ, essential=True, section="fretting")
 def running_conditions(data: FigureData) -> Figure:
     """Load over displacement amplitude: the run, from its first cycle (ring) to its last (dot), and the
-    borders of unworn smooth bodies: left of the first less than a twentieth of the radius slips, right of the
-    second all of the contact does (Mindlin). As the scar grows the border moves to the cross.
+    borders of unworn smooth bodies (Mindlin): at the first a twentieth of the radius slips, at the second all
+    of the contact. As the scar grows that border moves to the cross.
     """
     study, history, hertz = data.study, data.history, data.study.hertz
     assert hertz is not None  # else there is no figure
@@ -79,19 +70,24 @@ def running_conditions(data: FigureData) -> Figure:
     place, now = (1e3 * history[name] for name in ("displacement", "displacement_border"))
     cross, held = Look(describe.DISC, "", marker="x", size=5.0), history["load"]
     lines = [
-        Line((1.0 - (1.0 - RING) ** 2) * borders, loads, "sticks | slips in a ring", Look(describe.TOUCHED)),
-        Line(borders, loads, "slips in a ring | all slips", Look(describe.DISC)),
+        Line(ringed := (1.0 - (1.0 - RING) ** 2) * borders, loads, look=Look(describe.TOUCHED)),
+        Line(borders, loads, look=Look(describe.DISC)),
         Line(place, held, look=Look(describe.NEUTRAL, width=0.8)),
         Line(place[:1], held[:1], "first cycle", replace(describe.RING, size=7.0)),
         Line(place[-1:], held[-1:], "last cycle", describe.DOT),
-        Line(now[-1:], held[-1:], "all slips, of the scar", cross),
+        Line(now[-1:], held[-1:], "border of the worn scar", cross),
     ]
-    wide = max(float(place.max()), float(now[-1]), float(borders[-1]))
-    axes = Axis("displacement amplitude, µm", low=0.0, high=1.1 * wide), Axis("normal load, N", low=0.0)
+    ends = [*place, now[-1], borders[-1], ringed[-1]]
+    low, high = 0.3 * float(min(ends)), 3.0 * float(max(ends))
+    between = np.sqrt([low * ringed[-1], ringed[-1] * borders[-1], borders[-1] * high])
+    fields = zip(between, ("sticks", "partial slip", "gross slip"), strict=True)
+    lines += [Line(np.array([at]), 1.06 * loads[-1:], name, written=True) for at, name in fields]
+    along = Axis("displacement amplitude, µm", "log", low, high)
+    axes = along, Axis("normal load, N", low=0.0, high=1.15 * float(loads[-1]))
     return Figure([Chart("Running conditions", *axes, lines)], legend=2, height=3.4)
 
 
-@words.figure(words.NO_FRETTING, *words.FIELD, essential=True, section="fretting")
+@words.figure(words.NO_FRETTING, *words.FIELD, words.ALL_SLIPS, essential=True, section="fretting")
 def slip_map(data: FigureData) -> Figure:
     """Way that places in contact slip in a cycle {when}; what sticks is white, and above each is how
     much of the area in contact that is.{blocks}

@@ -8,7 +8,7 @@ from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.shape import cuts_of, told
 from warpwear.figures.of_run.view import Fields
-from warpwear.figures.wording import after, short
+from warpwear.figures.wording import short
 from warpwear.laws.depth_profile import SUBSTRATE, DepthProfile
 
 #: Colours of layers, from the surface down; a body below them has its own.
@@ -22,7 +22,7 @@ ROOM, MOST_ROOM = 1.4, 4.0
 @words.figure(words.NO_LAYERS, *words.FIELD, essential=True, section="maps")
 def material_map(data: FigureData) -> Figure:
     """Which material lies bare {when}.{deepest}"""
-    labels, maps = [after(distance) for distance in data.distances], []
+    labels, maps = [data.after(distance) for distance in data.distances], []
     for body, profile in data.layered.items():
         fields = [getattr(data.snapshot(i), f"material_{body}") for i in data.indices]
         codes = [data.window.largest(field).astype(np.uint8) for field in fields]

@@ -10,7 +10,6 @@ from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, line
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import Fields, or_nan, positive
-from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
 #: Where one body is worn this many times as deep as the other, each has a scale of its own.
@@ -57,10 +56,10 @@ def setup(data: FigureData) -> Figure:
     return Figure([describe.Box("Setup", window.extent, "height, µm", *ends, parts, note)])
 
 
-@words.figure(words.SWEPT, *words.FIELD, words.UNWORN)
+@words.figure(words.SWEPT, words.NARROW, *words.FIELD, words.UNWORN)
 def wear_map(data: FigureData) -> Figure:
     """Wear depth of {slider} and disc {end}."""
-    when, maps = after(data.distances[-1]), []
+    when, maps = data.after(data.distances[-1]), []
     depths = {body: 1.0e3 * data.bodies[-1][f"wear_{body}"] for body in describe.BODIES}
     deepest = {body: float(depth.max()) for body, depth in depths.items()}
     unlike = UNLIKE * min(deepest.values()) < max(deepest.values())
@@ -80,7 +79,7 @@ def counter_map(data: FigureData) -> Figure:
     return _maps(data, "counter")
 
 
-@words.figure(*words.DISC_WORN)
+@words.figure(words.NARROW, *words.DISC_WORN)
 def disc_map(data: FigureData) -> Figure:
     """Height of the disc, unworn and at distances slid, on one scale."""
     return _maps(data, "disc")
@@ -114,7 +113,7 @@ def _maps(data: FigureData, body: str) -> Figure:
     bodies = [*zip(data.distances, data.bodies, strict=True)]
     if len(bodies) == 4:  # with the unworn one four panels; the third says least
         del bodies[2]
-    labels = ["unworn", *(after(distance) for distance, _ in bodies)]
+    labels = ["unworn", *(data.after(distance) for distance, _ in bodies)]
     fields = [1e3 * _unworn(data, body), *(1e3 * worn[body] for _, worn in bodies)]
     name = data.name_of(body)
     is_ball = name == "ball"
@@ -131,7 +130,7 @@ def _maps(data: FigureData, body: str) -> Figure:
 
 def _surfaces(data: FigureData, body: str) -> Figure:
     last, extent = data.bodies[-1], data.window.extent
-    states = {"unworn": _unworn(data, body), after(data.distances[-1]): last[body]}
+    states = {"unworn": _unworn(data, body), data.after(data.distances[-1]): last[body]}
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
     name, turned = data.name_of(body), ", turned over" if body == "counter" else ""
     is_ball = name == "ball"
@@ -168,7 +167,9 @@ def _profiles(data: FigureData, body: str) -> Figure:
         first = views[0].cuts[cut]
         unworn = sign * first[body] + first[f"wear_{body}"]
         lines = [Line(first["place"], 1e3 * unworn, "unworn", Look(describe.UNWORN, width=0.5))]
-        states = [(v.cuts[cut]["place"], 1e3 * sign * v.cuts[cut][body], after(v.distance)) for v in views]
+        states = [
+            (v.cuts[cut]["place"], 1e3 * sign * v.cuts[cut][body], data.after(v.distance)) for v in views
+        ]
         lines += lines_in_time(describe.BODIES[body], states)
         panels.append(Chart(title, Axis(label), Axis("height, µm"), lines, stretch_factor=1e3))
     return Figure(told(panels), legend=len(views) + 1, shared="y")

@@ -6,7 +6,7 @@ from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, in_time, over_distance
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.wording import after, short
+from warpwear.figures.wording import short
 from warpwear.grid import FloatArray
 from warpwear.laws.junctions import diameters_of, share_above
 from warpwear.results.evolution import settling, settling_course
@@ -82,7 +82,7 @@ def spectrum(data: FigureData) -> Figure:
         if body == "disc":
             none = np.zeros(0)
             lines += describe.lines_in_time(
-                describe.NEUTRAL, [(none, none, after(slid)) for slid, _ in states]
+                describe.NEUTRAL, [(none, none, data.after(slid)) for slid, _ in states]
             )
         name = data.name_of(body)
         panels.append(Chart(name, Axis("wavelength, µm", "log", inverted=True), density, lines, name))
@@ -102,7 +102,7 @@ def islands(data: FigureData) -> Figure:
         Line(table["distance"], table["islands_of_one_cell"], "of one cell", single),
     ]
     indices = [index for index in data.indices if areas[index].size]
-    labels = [f"right: {after(table['distance'][index])}" for index in indices]
+    labels = [f"right: {data.after(table['distance'][index])}" for index in indices]
     falling = [(np.sort(areas[index])[::-1], np.arange(1.0, areas[index].size + 1)) for index in indices]
     states = [(*both, label) for both, label in zip(falling, labels, strict=True)]
     # Islands at least as large: between two areas, those of the larger.
@@ -131,7 +131,7 @@ def junctions(data: FigureData) -> Figure:
     lines: list[Line | Level] = []
     for index, look in zip(indices, in_time(describe.CONTACT, len(indices)), strict=True):
         areas = np.sort(evolution.island_areas[index])
-        label = after(evolution.table["distance"][index])
+        label = data.after(evolution.table["distance"][index])
         diameters = 1e3 * diameters_of(areas)
         above = 1.0 - np.cumsum(areas) / areas.sum()
         if critical is not None:

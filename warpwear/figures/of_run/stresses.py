@@ -36,6 +36,13 @@ def _along(data: FigureData) -> int:
     return "yx".index(data.study.output.stress_plane[0])
 
 
+def _limit(data: FigureData, measure: str) -> tuple[str, float | None]:
+    """Return name and value [MPa] of the limit that a measure of stress is held against."""
+    if measure in OF_A_CYCLE and data.study.fatigue is not None:
+        return "limit in torsion", data.study.fatigue.torsion
+    return "yield strength", data.study.pair.yield_strength
+
+
 @words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True, section="stresses")
 def stress_map(data: FigureData) -> Figure:
     """Stresses below the disc in the plane {plane} {end}, under pressure and friction towards greater x, over
@@ -47,13 +54,18 @@ def stress_map(data: FigureData) -> Figure:
     levels = np.linspace(depths[0], depths[-1], 2 * POINTS + 1)[1::2]
     half, across = 0.5 * data.study.grid.sides[_along(data)] / unit, f"{'xy'[_along(data)]}{suffix}"
     extent, notes = (-half, half, -depths[-1] / unit, -depths[0] / unit), [note] if note else []
-    panels = []
+    panels: list[Map] = []
     for measure in ("mises", "principal", *(OF_A_CYCLE if data.study.fatigue else ())):
         plane: FloatArray = table[f"{measure}_plane"][index]
         field = np.array([np.interp(levels, depths, column) for column in plane.T])[:, ::-1]
         scale = Scale(BY_NAME[measure].axis, 0.0, max(float(plane.max()), 1e-9), beyond="min")
-        label, axes = BY_NAME[measure].label, dict[str, Any](x=across, y=f"−z{suffix}")
-        panels.append(Map(label, [field], extent, scale, [label], notes, square=False, **axes))
+        label, more = BY_NAME[measure].label, dict[str, Any](x=across, y=f"−z{suffix}")
+        name, limit = _limit(data, measure)
+        said = [] if panels else notes
+        if limit is not None and (field > limit).any() and measure != "principal":
+            more["regions"] = [(field > limit, Look(describe.HARDNESS, "dash", 1.0))]
+            said = [*said, f"dashed: {name}, {limit:g} MPa"]
+        panels.append(Map(label, [field], extent, scale, [label], ["\n".join(said)], square=False, **more))
     return Figure(panels, columns=2)
 
 
@@ -62,14 +74,11 @@ def stress_depths(data: FigureData) -> Figure:
     """Largest stresses of each depth below the disc at the first snapshot (dotted) and {end}, with the yield
     strength, and of a cycle in which friction turns round with the limit in torsion.
     """
-    table, study = data.result.stresses, data.study
+    table = data.result.stresses
     unit, suffix, note = _unit(data)
     over = Axis(f"depth z{suffix}", low=0.0)
     panels: list[Chart] = []
-    kinds: list[Any] = [("Stress", MEASURES, "yield strength", study.pair.yield_strength)]
-    if study.fatigue is not None:
-        kinds.append(("Cycle", OF_A_CYCLE, "limit in torsion", study.fatigue.torsion))
-    for title, measures, name_of_limit, limit in kinds:
+    for title, measures in (("Stress", MEASURES), ("Cycle", OF_A_CYCLE))[: 1 + bool(data.study.fatigue)]:
         lines: list[Line | Level] = []
         for measure in measures:
             quantity = BY_NAME[measure]
@@ -77,8 +86,13 @@ def stress_depths(data: FigureData) -> Figure:
             ends = {data.indices[0]: ("", Look(colour, "dot"))}
             for index, how in (ends | {data.indices[-1]: (quantity.short, Look(colour))}).items():
                 lines.append(Line(table["depth"][index] / unit, table[measure][index], *how))
-        most = max(float(table[measure].max()) for measure in measures)
+        most, (name, limit) = (
+            max(float(table[measure].max()) for measure in measures),
+            _limit(data, measures[0]),
+        )
+        said = [] if panels else [note]
         if limit is not None and limit < NEAR * most:
-            lines.append(Level(limit, name_of_limit, Look(describe.HARDNESS, "dash", 0.8)))
-        panels.append(Chart(title, over, Axis(BY_NAME[measures[0]].family_axis), lines, note))
-    return Figure(panels, legend=3)
+            lines.append(Level(limit, look=Look(describe.HARDNESS, "dash", 0.8)))
+            said.append(f"dashed: {name}, {limit:g} MPa")
+        panels.append(Chart(title, over, Axis(BY_NAME[measures[0]].family_axis), lines, "\n".join(said)))
+    return Figure(panels, legend=5)

@@ -9,7 +9,7 @@ from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.history import axis_of
 from warpwear.figures.of_run.snapshots import of_parameters
 from warpwear.figures.of_run.view import positive
-from warpwear.figures.wording import after, chosen
+from warpwear.figures.wording import chosen
 from warpwear.history.quantities import BY_NAME
 from warpwear.results import track as results
 
@@ -18,8 +18,6 @@ SHOWN = 4
 #: Bins along a track, and most blocks of its map.
 BINS, BLOCKS = 200, 600
 CHANGE = "change of height, µm"
-#: Mean depths of a pass below this are shown in nm [mm].
-THIN = 1e-4
 
 
 @words.figure(*words.GROOVE, essential=True, section="groove")
@@ -28,7 +26,7 @@ def groove(data: FigureData) -> Figure:
     sections = [results.groove(data.result, index) for index in data.indices]
     last, short = sections[-1], data.groove == "scar"
     reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.study.grid.cell)) * 1.15
-    states = [(section.y, -1e3 * section.depth, after(section.distance)) for section in sections]
+    states = [(section.y, -1e3 * section.depth, data.after(section.distance)) for section in sections]
     across = lines_in_time(describe.DISC, states)
     if last.displaced.any():
         across.append(Line(last.y, -1e3 * last.worn, "of which worn", Look(describe.NEUTRAL, width=0.8)))
@@ -53,7 +51,7 @@ def groove(data: FigureData) -> Figure:
 def track_map(data: FigureData) -> Figure:
     """Height of the whole track {end}, and what wear and plastic flow took off it."""
     track = results.blocks(data.result, data.indices[-1], BLOCKS)
-    when = f"track {after(data.distances[-1])}"
+    when = f"track {data.after(data.distances[-1])}"
     heights, loss = 1e3 * track.heights, positive(1e3 * track.loss)
     low, high, most = 0.0, 1.0, 1.0
     if np.isfinite(heights).any():
@@ -69,34 +67,6 @@ def track_map(data: FigureData) -> Figure:
         Map("What is gone of it", [loss], track.extent, gone, [lost], square=False),
     ]
     return Figure(maps, columns=1, width=describe.PAGE, height=1.9, shared="x")
-
-
-@words.figure(words.STILL, words.NO_COURSE, words.NO_GROOVE, essential=True)
-def wear_per_pass(data: FigureData) -> Figure:
-    """Mean depth that each pass adds to the {groove}, over the width of the contact."""
-    table = results.by_pass(data.result, "patch_across", "patch_along")
-    stroke = table["stroke"]
-    whole = table["distance"] > 0.99 * stroke
-    if not whole.any():
-        whole[:] = True
-    number = table["number"][whole]
-    many = np.maximum(np.rint(table["distance"] / stroke), 1.0)  # passes that a computed one stands for
-    # Of a short stroke the scar keeps its middle.
-    length = np.maximum(table["distance"] / many, table["patch_along"])
-    marker = "o" if number.size < 12 else ""
-    looks = {
-        ("wear_volume_disc", "worn"): Look(describe.DISC, marker=marker),
-        ("plastic_volume_disc", "displaced"): Look(describe.NEUTRAL, "dot", marker=marker),
-    }
-    depths = {name: (table[name] / (many * length * table["patch_across"]))[whole] for name, _ in looks}
-    unit, factor = ("nm", 1e6) if max(float(d.max()) for d in depths.values()) < THIN else ("µm", 1e3)
-    lines = [
-        Line(number, factor * depths[name], label, look)
-        for (name, label), look in looks.items()
-        if table[name].any()
-    ]
-    axes = Axis("pass, –", integer=True), Axis(f"mean depth of a pass, {unit}", "auto")
-    return Figure([Chart("Wear per pass", *axes, lines)], legend=2 * (len(lines) > 1))
 
 
 @words.figure(words.STILL, words.NO_COURSE, words.NO_COF)

@@ -73,6 +73,7 @@ NO_FACTOR = Reason("no_factor", lambda d: d.study.wear.distance_factor == "none"
 NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.pair.critical_junction is None)
 NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2)
 NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
+ALL_SLIPS = Reason("all_slips", lambda d: not d.history["stick_area"].any())
 NO_DRIVE = Reason("no_displacement", lambda d: not (d.study.fretting and d.study.fretting.has_displacement))
 STILL = Reason("still", lambda d: not d.study.is_swept)
 SWEPT = Reason("track", lambda d: d.study.is_swept)
@@ -178,7 +179,7 @@ def _when(data: FigureData) -> str:
 
 
 def _end(data: FigureData) -> str:
-    return f"after {with_unit(data.distances[-1], 4)}" if data.distances[-1] else "without sliding"
+    return data.after(data.distances[-1]) if data.distances[-1] else "without sliding"
 
 
 def _friction(data: FigureData) -> str:

@@ -35,7 +35,7 @@ def course_figure(analysis: Analysis) -> Figure:
         having = [step for step in steps if name in step.others]
         places = [1e-3 * (step.before + step.laps.distance) for step in having]
         pairs = zip(places, having, strict=True)
-        means: list[Line | Level] = [Line(x, s.others[name], look=Look(describe.DISC)) for x, s in pairs]
+        means: list[Line | Level] = [Line(x, s.others[name], look=Look()) for x, s in pairs]
         charts.append(Chart(title, Axis("distance slid, m", low=0.0), up, means))
     columns = math.ceil(math.sqrt(len(steps)))
     return Figure(charts, columns, legend=5, width=describe.PAGE, height=3.0)
@@ -50,15 +50,20 @@ def _lines(step: RecordStep, *, first: bool) -> list[Line | Level]:
         label = f"scatter in a {laps.unit}" if first else ""
         lines.append(
             Line(
-                x, laps.cof, label, Look(describe.DISC, "", alpha=0.25), laps.cof - spread, laps.cof + spread
+                x,
+                laps.cof,
+                label,
+                Look(describe.NEUTRAL, "", alpha=0.25),
+                laps.cof - spread,
+                laps.cof + spread,
             )
         )
-    lines.append(Line(x, laps.cof, f"mean of a {laps.unit}" if first else "", Look(describe.DISC, width=0.9)))
     if events.steady is not None:
         ends = 1e-3 * (step.before + np.array([events.steady.start, events.steady.end]))
         label = "steady value" if first else ""
         values = events.steady.value - np.array([events.steady.drift, 0.0])
-        lines.append(Line(ends, values, label, Look(describe.COUNTER, width=2.0)))
+        lines.append(Line(ends, values, label, Look(describe.SUM, width=3.0)))
+    lines.append(Line(x, laps.cof, f"mean of a {laps.unit}" if first else "", Look(width=0.9)))
     if events.jump is not None:
         for at, label in ((events.jump.start, "10 and 90 % of the jump"), (events.jump.end, "")):
             place = 1e-3 * (step.before + at)

@@ -178,13 +178,17 @@ def _steady_rows(steady: Steady) -> list[Row]:
     error = f"{steady.error:.2g}"
     decimals = len(error.partition(".")[2]) if "e" not in error else 5
     where = f"{1e-3 * steady.start:.4g} to {1e-3 * steady.end:.4g} m"
-    text = (
-        f"{steady.value:.{decimals}f} ± {error} (95 %: ± {steady.error_95:.2g}), end of a line from {where}"
-    )
-    drift = f"{steady.drift:+.2g} ± {steady.drift_95:.2g} (95 %) from the line's beginning to its end"
+    value = f"{steady.value:.{decimals}f} ± {error} (95 %: ± {steady.error_95:.2g})"
+    drift = f"{steady.drift:+.2g} ± {steady.drift_95:.2g} (95 %) over the length of that line"
     of_drift = ("steady_drift_error_95", steady.drift_95)
     return [
-        Row("steady value", "steady_cof", steady.value, error=steady.error, sentence=text),
+        Row(
+            "steady value",
+            "steady_cof",
+            steady.value,
+            error=steady.error,
+            sentence=f"{value}, the end of a line over {where}",
+        ),
         Row("", "steady_cof_error_95", steady.error_95),
         Row("drift", "steady_drift", steady.drift, error=of_drift, sentence=drift),
         Row("", "steady_from_mm", steady.start),

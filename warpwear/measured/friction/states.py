@@ -228,9 +228,12 @@ def untold(fit: StatesFit) -> list[str]:
 def states_text(fit: StatesFit) -> str:
     """Say in a line what a course does."""
     (wait, of_wait), (metal, of_metal) = fit.numbers["wait"], fit.numbers["metal"]
-    bare = f"bare metal {metal:.3g} ± {of_metal:.2g}, " * ("metal" not in untold(fit))
-    many = "mm" if fit.unit == "mm" else f"{fit.unit}s"
-    return f"{wait:.3g} ± {of_wait:.2g} {many} under film, {bare}rms {fit.rms:.2g}; a law that fits"
+    if of_wait > 0.5 * wait:
+        return "not told by this course"
+    bare = f", bare metal {metal:.3g} ± {of_metal:.2g}" * ("metal" not in untold(fit) and metal > 0.0)
+    factor, many = (1e-3, "m") if fit.unit == "mm" else (1.0, f"{fit.unit}s")
+    film = f"film for {factor * wait:.4g} ± {factor * of_wait:.2g} {many}"
+    return f"{film}{bare}; a fitted law, rms {fit.rms:.2g}, no prediction"
 
 
 def states_rows(fit: StatesFit) -> list[Row]:

@@ -22,7 +22,7 @@ from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import fourier, wear_from_pressure
 from warpwear.kernels.cells import LANES, MAXIMA, OF_FEATURES, PressureSum
 from warpwear.kernels.half_space import passes
-from warpwear.kernels.half_space.solve import Request
+from warpwear.kernels.half_space.solve import CONVERGED, Request
 from warpwear.kernels.sliding import Bodies, RowSums, Slide
 from warpwear.kernels.sliding_steps import SlidingSteps
 from warpwear.kernels.wear_from_pressure import Pressed
@@ -75,6 +75,7 @@ class SlidingHalfSpace:
     SCRATCH: ClassVar = (
         *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_sheared", "_sheared_means", "_row"),
         *("_place", "_programs", "_static", "_asked", "_unreached", "_step_program", "_requested"),
+        "_grew",
     )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -114,6 +115,8 @@ class SlidingHalfSpace:
         self.features = Features.of(task, executor, self.state.fields, **site)
         #: That which the next step asks: until a cell can reach another material, none of materials.
         self._asked, self._unreached = self.features, self.features.without("materials")
+        if self._caps["cap_ratio"] is not None or self.features.yields is not None:
+            executor.foresee([passes.bound])
         #: The gap, and a mean along x.
         has_means = moves or self.features.moves_pressure
         self.gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if has_means else 1)
@@ -139,7 +142,7 @@ class SlidingHalfSpace:
         #: Finds what wears cells whose K goes with their pressure; None where none does.
         self._lines = WearLines(task.knots, executor, moves=moves) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
-        self._static = None
+        self._static, self._grew = None, False
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
@@ -217,14 +220,18 @@ class SlidingHalfSpace:
         parts = self._divide(means, row, cells)
         due = self._static is not None and self._steps_done % self.task.static_area_every == 0
         start, learns = NEIGHBOUR, self.learns and self.length.trial is None
-        if self._moves and self.length.trial is None:
-            start = self._starts.choose(f"{parts[0].shift} {way.lane}", tries=learns)
-        done, area, made = 0, self._executor.grid.cell_area, None
+        if self._moves:
+            # Steps that are made again know no laps, and start as those did else: areas are compared.
+            place = f"{parts[0].shift} {way.lane}" if self.length.trial is None else ""
+            start = self._starts.choose(place, tries=learns)
+        done, area, made, self._grew = 0, self._executor.grid.cell_area, None, False
         while done < len(parts):
-            left = parts[done : 1 if due and not done else None]
-            count, made = self._in_one_go(left, start, way)
+            left = parts[done : 1 if due and not done else done + 1 if self._grew else None]
+            # What has outgrown its window is found again from there, wherever the parts before it were made.
+            begin, self._grew = NEIGHBOUR if self._grew else start, False
+            count, made = self._in_one_go(left, begin, way)
             if made is None:
-                count, made = 1, self._alone(left[0], start)
+                count, made = 1, self._alone(left[0], begin)
             if due and self._static and not done:
                 static = self._static_area(self._static)
             done, last = done + count, left[count - 1]
@@ -296,16 +303,24 @@ class SlidingHalfSpace:
             request = stay.here.solver.request(*compliances, rows, tolerance=tolerance)
             self._requested = asked, np.array([request.get(name, 0.0) for name in Request])
         self.slides.set(reference=self.ledger.row["pressure_mean"])
-        starts, ahead = [], []
-        for part in group:
+        starts, ahead, places = [], [], [f"{part.shift} {way.lane}" for part in group]
+        keeps = self.learns and self.length.trial is None and self._starts.keeps
+        for place in places:
             lap = NO_LAP
             if self.length.trial is None:
-                lap = self._starts.lap_of(f"{part.shift} {way.lane}", way.end, start, keeps=self.learns)
-            starts.append((lap.row + stay.box[0], stay.box[2] // LANES, lap.ahead is not None, lap.keeps))
+                lap = self._starts.lap_of(place, way.end, start, keeps=keeps)
+            last, before = (row + stay.box[0] for row in (lap.row, lap.row_before))
+            starts.append((last, stay.box[2] // LANES, before, lap.ahead is not None, lap.keeps))
             ahead.append(lap.ahead or 0.0)
         from_nothing = anew or not stay.here.solver.started, anew
         self._step_program.set(group, self._requested[1], starts, ahead, anew=from_nothing)
         count, made = self._step_program.run(len(group), stay, self._asked is self.features)
+        if keeps:
+            self._starts.note(places[:count], way.end)
+        found = count < len(group) and stay.search.read() == CONVERGED
+        self._grew = found and self._half_space.outgrows(rows=rows)
+        if self._grew and made is None:
+            return self._in_one_go(parts[:1], NEIGHBOUR, way)
         if made is not None:
             self._half_space.end_stay(whole=count == len(group), **about)
             if self._asked:

@@ -105,18 +105,20 @@ class SweptModel(Model):
         way = Way(self._done % steps // track.steps_of_pass, contact.ledger.row["distance"] + left)
         step = contact.slide(self._go_to, cells, increment, way=way, with_pressure=with_pressure)
         if self.measures:
-            length.note(increment / self.stands_for, self.turned, step.row["area_contact"])
+            alone = cells if self.stands_for == 1 else None
+            length.note(increment / self.stands_for, self.turned, step.row["area_contact"], alone)
         return self._placed(step)
 
     def _measure(self, contact: SlidingHalfSpace) -> None:
-        """Make steps again, from the state that was kept before them, in parts as long and twice as long.
+        """Make steps again, from the state that was kept before them, in parts twice as long.
 
-        Each stands for itself: what their length does shows less in wear of many cycles at once.
+        Each stands for itself: what their length does shows less in wear of many cycles at once. Where one
+        did not, they are made again in parts as long, too.
         """
         length, now, contact.certified = contact.length, state.save(self, whole=True), False
-        before, areas = (self.stands_for, self.turned, self._row), []
-        arrays, numbers, slid = length.kept
-        for cells in (length.of_part, 2 * length.of_part):
+        arrays, numbers, slid, area = length.kept
+        before, areas = (self.stands_for, self.turned, self._row), [] if area is None else [area]
+        for cells in (length.of_part, 2 * length.of_part)[len(areas) :]:
             length.trial = cells
             state.restore(self, arrays, numbers)
             areas.append(self._replay(contact, slid, cells))

@@ -1,9 +1,9 @@
 """How many cells of the disc a part of a step may go over, by what doubling it changes.
 
-Some steps in a row are made again from the state before the first of them, in parts as long and twice as
-long. The change of their mean area tells what the length of parts does, see docs/theory/limits.md. What wore
-both bodies in parts of n cells loses area by parts of any other length, so that longer ones err to the safe
-side, and shorter ones do not.
+Some steps in a row are made again from the state before the first of them, in parts twice as long. The change
+of their mean area tells what the length of parts does, see docs/theory/limits.md. What wore both bodies in
+parts of n cells loses area by parts of any other length, so that longer ones err to the safe side, and
+shorter ones do not.
 """
 
 import json
@@ -90,12 +90,15 @@ class PartLength:
         """Keep the state before the next step."""
         self._arrays, self._numbers = dict(arrays), json.dumps(numbers)
 
-    def note(self, increment: float, turned: int, area: float) -> None:
-        """Note a step: its increment in a cycle alone [mm], rows it is turned by, and its area [mm²]."""
+    def note(self, increment: float, turned: int, area: float, cells: int | None) -> None:
+        """Note a step: its increment in a cycle alone [mm], rows it is turned by, and its area [mm²].
+
+        cells: that it has gone over; None where it stands for more than itself.
+        """
         self._steps += 1
         self._area += (area - self._area) / min(self._steps, RECENT)
         if self._numbers and not self.is_due:
-            self._slid.append((increment, turned))
+            self._slid.append((increment, turned, cells and cells * area))
 
     @property
     def of_part(self) -> int:
@@ -103,9 +106,14 @@ class PartLength:
         return self._cells
 
     @property
-    def kept(self) -> tuple[dict[str, Any], dict[str, Any], list[tuple[float, int]]]:
-        """Return the state before the steps to be made again, and those."""
-        return self._arrays, json.loads(self._numbers), [(float(a), int(b)) for a, b in self._slid]
+    def kept(self) -> tuple[dict[str, Any], dict[str, Any], list[tuple[float, int]], float | None]:
+        """Return the state before the steps to be made again, those, and their area × cells [mm²].
+
+        None stands for the last where they are to be made again as they were: one has stood for others.
+        """
+        areas = [area for *_, area in self._slid]
+        slid = [(float(increment), int(turned)) for increment, turned, _ in self._slid]
+        return self._arrays, json.loads(self._numbers), slid, None if None in areas else sum(areas)
 
     def judge(self, area: float, doubled: float, *, shift: int, cell_area: float) -> bool:
         """Learn from areas by parts as they are and twice as long; tell whether this has changed them.

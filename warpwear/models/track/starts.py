@@ -2,6 +2,7 @@
 
 import logging
 import math
+from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from warpwear.engine.executor import Executor, Field
@@ -12,7 +13,7 @@ LOG = logging.getLogger("warpwear.run")
 
 #: Kinds of starts: the last pressure, none, that of the same place and way one lap ago, and what this and the
 #: one before lead to.
-NEIGHBOUR, NOTHING, LAP, AHEAD = "neighbour", "nothing", "lap", "ahead"
+KINDS = NEIGHBOUR, NOTHING, LAP, AHEAD = "neighbour", "nothing", "lap", "ahead"
 #: Furthest that two laps lead, over the distance between them.
 FURTHEST = 2.0
 #: After so many steps by the kind that costs least the next of the others is tried.
@@ -31,16 +32,17 @@ class Way(NamedTuple):
 class LapOf(NamedTuple):
     """Tells where pressures of a place begin among laps, and how far ahead of the last a start is, if it is.
 
-    keeps: whether the next one stays there.
+    row, row_before: of the last and of the one before. keeps: whether the next one stays there instead.
     """
 
     row: int
+    row_before: int
     ahead: float | None
     keeps: bool
 
 
 #: The only way of a cycle of one step, and where no pressures are kept.
-WAY, NO_LAP = Way(), LapOf(0, None, keeps=False)
+WAY, NO_LAP = Way(), LapOf(0, 0, None, keeps=False)
 
 
 class Starts:
@@ -51,7 +53,7 @@ class Starts:
 
     STATE: ClassVar = {
         "_costs": Aside(dict[str, float]),
-        "_steps": Aside(int),
+        **dict.fromkeys(("_steps", "_taken"), Aside(int)),
         "_places": Aside(dict[str, Any]),
         "stored": Aside(InFrame("contact")),
     }
@@ -68,16 +70,17 @@ class Starts:
                 self._most,
                 places,
             )
-        #: Pressures of places, one below another, each of the last lap and below that of the one before.
+        #: Pressures, one below another, up to two of a place; memory that holds none is never touched.
         self.laps: Field = executor.zeros(max(2 * self._most, 1) * self._rows)
         self._costs: dict[str, float] = {}
-        self._steps = 0
-        self._places: dict[str, list[float]] = {}
+        self._steps = self._taken = 0
+        #: Of each place the numbers of its pressures, and the distances at the ends of their cycles.
+        self._places: dict[str, list[list[Any]]] = {}
 
     @property
     def stored(self) -> Any:
         """Return the pressures of the places known."""
-        return self.laps.numpy()[: 2 * len(self._places) * self._rows]
+        return self.laps.numpy()[: self._taken * self._rows]
 
     @stored.setter
     def stored(self, pressures: Any) -> None:
@@ -91,7 +94,7 @@ class Starts:
 
     def forget(self) -> None:
         """Begin another lap, on another track or by parts of another length."""
-        self._places, self._costs = {}, {}
+        self._places, self._costs, self._taken = {}, {}, 0
 
     def lap_of(self, place: str, end: float, kind: str, *, keeps: bool) -> "LapOf":
         """Return where the pressures of a place lie, for a start of a kind.
@@ -102,20 +105,32 @@ class Starts:
         if at is None:
             if not keeps or len(self._places) == self._most:
                 return NO_LAP
-            self._places[place] = [len(self._places), end]
-            return LapOf(2 * (len(self._places) - 1) * self._rows, None, keeps=True)
-        number, last, *before = at
-        ahead = 0.0 if kind in (LAP, AHEAD) else None
-        if kind == AHEAD and before and last > before[0]:
-            ahead = min(max((end - last) / (last - before[0]), 0.0), FURTHEST)
-        if keeps:
-            self._places[place] = [number, end, last]
-        return LapOf(2 * int(number) * self._rows, ahead, keeps=keeps)
+            at = [[], []]
+        numbers, ends = at
+        if keeps and len(numbers) == len(ends) < 2:
+            numbers = [*numbers, self._taken]
+            self._places[place], self._taken = [numbers, ends], self._taken + 1
+        ahead = 0.0 if ends and kind in (LAP, AHEAD) else None
+        if kind == AHEAD and len(ends) > 1 and ends[0] > ends[1]:
+            ahead = min(max((end - ends[0]) / (ends[0] - ends[1]), 0.0), FURTHEST)
+        return LapOf(numbers[0] * self._rows, numbers[-1] * self._rows, ahead, keeps=keeps)
+
+    @property
+    def keeps(self) -> bool:
+        """Tell whether pressures of laps may be of use: where starts from nothing cost least they are not."""
+        return len(self._costs) < len(KINDS) or min(self._costs, key=self._costs.__getitem__) != NOTHING
+
+    def note(self, places: Sequence[str], end: float) -> None:
+        """Note that pressures of places stay as their last. end: as of `Way`."""
+        for place in places:
+            if place in self._places:
+                numbers, ends = self._places[place]
+                self._places[place] = [[*numbers[-1:], *numbers[:-1]], [end, *ends[:1]]]
 
     def choose(self, place: str, *, tries: bool) -> str:
         """Choose how parts of a step start, the first of them at a place. tries: also dearer ways."""
-        known = len(self._places.get(place, ())) - 1
-        kinds = [NEIGHBOUR, NOTHING, LAP, AHEAD][: 2 + max(known, 0)]
+        known = len(self._places[place][1]) if place in self._places else 0
+        kinds = KINDS[: 2 + known]
         new = [kind for kind in kinds if kind not in self._costs]
         if new and tries:
             return new[0]

@@ -41,14 +41,14 @@ class StepProgram:
         add_wear: Callable[[Program], None],
         add_after: Callable[[Program], None],
     ) -> None:
-        self._slides, self._laps, self._tables, self._device = slides, laps, tables, executor.device
-        self._of_laps = {"rows": executor.grid.nx, "cap": cap}
+        self._slides, self._tables, self._device = slides, tables, executor.device
+        self._of_laps = {"laps": laps, "cap": cap}
         self._adds = add_gaps, add_wear, add_after
         left = len(SUMS) + len(MAXIMA) + 2
         shapes: dict[str, Any] = {
             "slides": MOST,
             "requests": (MOST, len(Request)),
-            "starts": (MOST, 4),
+            "starts": (MOST, 5),
             "ahead": MOST,
         }
         shapes |= {"left": (MOST, left), "box": 4, "numbers": 2, "flags": len(PartFlag)}
@@ -62,16 +62,16 @@ class StepProgram:
         self,
         parts: Sequence[Substep],
         request: FloatArray,
-        starts: Sequence[tuple[int, int, bool, bool]],
+        starts: Sequence[tuple[int, int, int, bool, bool]],
         ahead: Sequence[float],
         *,
         anew: tuple[bool, bool],
     ) -> None:
         """Say what the next parts are, but for their places as `slides` are now, and where they start.
 
-        request: of any part, by `Request`. starts: row and vector of each pressure among laps, whether it
-        starts there, and whether it stays there; ahead: as of `passes.Lap`. anew: whether the first and the
-        others start from nothing.
+        request: of any part, by `Request`. starts: of each pressure `first` of a `passes.Lap`, whether it
+        starts there, and whether it stays there; ahead: as of that. anew: whether the first and the others
+        start from nothing.
         """
         slides, requests, lying, far, *_ = (values[: len(parts)] for values in self._inputs.values)
         slides[:], requests[:], lying[:], far[:] = self._slide[0], request, starts, ahead
@@ -102,7 +102,7 @@ class StepProgram:
 
     def _add(self, program: Program, stay: Stay) -> None:
         parts, slides, here = self._parts, self._slides.array, stay.here
-        lap = arguments(passes.Lap, self._device, laps=self._laps, first=2, **self._of_laps)
+        lap = arguments(passes.Lap, self._device, first=3, **self._of_laps)
         lap.pressure = here.solver.pressure_field
         solve, (add_gaps, add_wear, add_after) = stay.search.arguments, self._adds
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
+from warpwear.history.quantities import Quantity, columns_of, evolution_columns
 from warpwear.results.file import FILE_NAME, ResultFile
 from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
@@ -62,7 +62,7 @@ def write_metadata(folder: Path, result: ResultFile) -> None:
 def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str, str]) -> str:
     """Return the metadata as text. sections: of the study; files: path in the crate -> what it is, or ''."""
     columns = {"history.csv": columns_of(result.study), FILE_NAME: columns_of(result.study)}
-    columns["surface.csv"] = EVOLUTION
+    columns["surface.csv"] = evolution_columns(result.study)
     quantities: dict[str, Quantity] = {}
     described: list[Entity] = []
     for name, note in files.items():

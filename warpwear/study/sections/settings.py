@@ -138,7 +138,7 @@ def _rising(values: Any) -> Any:
     return values
 
 
-#: Stresses are those of a half-space on the domain's cells.
+#: Stresses, and what a joint does, are those of a half-space on the domain's cells.
 STRESSED = needs("contact.law", "half-space") + needs("study.model", "micro")
 
 
@@ -170,6 +170,12 @@ class Output(Section):
         None,
         "half-space: depths below the disc's surface at which stresses of the snapshots are computed; "
         "auto: the surface, and 20 from a cell to half the domain's shorter side",
+        demands=STRESSED,
+    )
+    joint: tuple[Literal["conductance", "stiffness"], ...] = key(
+        (),
+        "half-space: what the contact of each snapshot, solved anew, conducts (a length, times the bodies' "
+        "conductivity) and how stiff it is",
         demands=STRESSED,
     )
     stress_plane: Literal["y = 0", "x = 0"] = key(

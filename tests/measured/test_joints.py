@@ -1,0 +1,103 @@
+"""A joint of measured surfaces over its loads: command and function, table, folder, and what is refused."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases_half_space import rough
+
+import warpwear
+from warpwear.cli.main import main
+from warpwear.errors import InputError
+from warpwear.grid import Grid
+
+pytestmark = pytest.mark.transforms
+
+HOW: dict[str, Any] = {"pixel": "2 um", "height_unit": "um"}
+OPTIONS = ["--pixel", "2 um", "--height-unit", "um", "--material", "AISI 304"]
+
+
+@pytest.fixture
+def surface(tmp_path: Path) -> Path:
+    path = tmp_path / "lapped.npy"
+    np.save(path, rough(Grid(64, 64, 1.0), shortest=10) * 0.1)
+    return path
+
+
+def test_a_curve_is_that_of_solved_contacts(surface: Path) -> None:
+    joint = warpwear.joint_curve(surface, load="1:100 MPa", material="AISI 304", **HOW)
+    table = joint.table
+    assert table["pressure"] == pytest.approx(np.geomspace(1.0, 100.0, 13))
+    heights = warpwear.read_surface(surface, **HOW).heights
+    modulus = warpwear.effective_modulus((193e3, 0.29), (193e3, 0.29))
+    contact = warpwear.solve_contact(
+        heights, cell=0.002, mean_pressure=100.0, modulus=modulus, hardness=1520.0
+    )
+    per_area = 1.0 / contact.nominal_area
+    assert table["area"][-1] == contact.area * per_area
+    assert table["conductance"][-1] == pytest.approx(contact.conductance() * per_area)
+    assert table["stiffness_loading"][-1] == pytest.approx(contact.stiffness() * per_area)
+    # k 16.2 W/(m K), ρ 7.2e-7 Ω m of both: h in W/(m² K) and R A in Ω mm² of G in 1/mm.
+    assert table["heat_transfer"] == pytest.approx(16.2 * 1e3 * table["conductance"])
+    assert table["resistance"] == pytest.approx(7.2e-4 / table["conductance"])
+    assert (np.diff(table["conductance"]) > 0.0).all()
+
+
+def test_two_surfaces_touch_where_both_are_high(surface: Path, tmp_path: Path) -> None:
+    """The second is turned over about x: against one that fills it exactly all is in contact."""
+    other = tmp_path / "other.npy"
+    np.save(other, -np.load(surface)[:, ::-1])
+    joint = warpwear.joint_curve(
+        surface, against=other, load="10 MPa", material="AISI 304", against_material="PTFE", **HOW
+    )
+    assert joint.table["area"][0] == 1.0
+    assert np.isnan(joint.table["resistance"][0])  # that of PTFE is not known
+    assert joint.numbers["hardness_MPa"] == 28.0
+
+
+def test_the_command_prints_and_writes(
+    surface: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = ["joint", str(surface), *OPTIONS, "--load", "1, 10 MPa", "--table", "fe.csv"]
+    with pytest.raises(SystemExit, match="0"):
+        main(command)
+    text = capsys.readouterr().out
+    assert "asperities" in text
+    assert "twice the cell" in text
+    folder = tmp_path / "lapped.npy-joint"
+    names = {path.name for path in folder.iterdir()}
+    assert {"joint.html", "joint.csv", "joint.json", "conductance.png", "map.png"} <= names
+    assert (tmp_path / "fe.csv").read_text() == (folder / "joint.csv").read_text()
+    header, *rows = (tmp_path / "fe.csv").read_text().splitlines()
+    assert header.startswith("pressure [MPa],heat_transfer [W/m^2/K],resistance [ohm mm^2]")
+    assert [float(row.split(",")[0]) for row in rows] == [1.0, 10.0]
+    for again, named in (([], "lapped.npy-joint"), (["--out", "other"], "--table = fe.csv is there already")):
+        with pytest.raises(SystemExit, match="2"):
+            main([*command, *again])
+        assert named in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="0"):
+        main(["joint", str(surface), *OPTIONS, "--load", "5 MPa", "--json"])
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["table"]["pressure [MPa]"] == [5.0]
+    assert numbers["asperities"] in ("elastic", "plastic", "partly plastic")
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"load": "100:1 MPa"}, "load = '100:1 MPa': allowed are '0.1:100 MPa'"),
+        ({"load": "1:2:3 MPa"}, "allowed are"),
+        ({"load": "5 N"}, "load = '5 N'"),
+        ({"load": "5000 MPa"}, "is not possible; with all cells at the hardness"),
+        ({"material": "cheese"}, "no material 'cheese' is known"),
+        ({"hardness": "soft"}, "hardness = 'soft'"),
+    ],
+)
+def test_what_is_not_possible_is_said(surface: Path, changed: dict[str, str], sentence: str) -> None:
+    given = {"load": "10 MPa", "material": "AISI 304"} | changed
+    with pytest.raises(InputError) as refused:
+        warpwear.joint_curve(surface, **given, **HOW)
+    assert sentence in str(refused.value)

@@ -1,0 +1,259 @@
+"""Press measured surfaces on each other over a range of loads: what their joint conducts, how stiff it is."""
+
+import math
+import tomllib
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+
+from warpwear.contact.array.contact import ArrayContact
+from warpwear.contact.array.solve import solve_contact
+from warpwear.errors import InputError, named_in_python
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, Scale
+from warpwear.figures.sections import under_headings
+from warpwear.grid import FloatArray, Grid
+from warpwear.laws.elastic import asperities, effective_modulus
+from warpwear.measured.options import quantity
+from warpwear.measured.report import FileReport
+from warpwear.measured.surface import HowToRead, read_surface
+from warpwear.measured.surface_report import MeasuredSurface
+from warpwear.page.folder import WrittenAsFolder, write_report
+from warpwear.page.html import page_of
+from warpwear.results.folder import check_folder
+from warpwear.results.report import Row, aligned, lines, to_json
+from warpwear.study.materials import Material
+from warpwear.study.materials import material as known_material
+from warpwear.surfaces.roughness import rms_slope
+from warpwear.version import __version__
+
+#: What every folder of a joint has, its page, and its table.
+MARK, PAGE, TABLE = "joint.json", "joint.html", "joint.csv"
+#: Loads of a range, and columns that are printed.
+LOADS, PRINTED = 13, 6
+#: What is told of cells twice as wide.
+CHANGED = ("conductance", "stiffness_unloading", "area")
+#: Units of columns, figures, and what the page says.
+DECLARED = tomllib.loads((files("warpwear.measured") / "joint.toml").read_text(encoding="utf-8"))
+HEADS = [f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()]
+
+Table = Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class JointCurve(FileReport, WrittenAsFolder):
+    """A joint has a table over its loads of what it conducts and how stiff it is; `print` shows some of it.
+
+    Attributes
+    ----------
+    table : dict
+        Column -> values, one a load, NaN where not known.
+    figures : dict
+        Name -> what it shows.
+    """
+
+    table: Table
+    figures: Mapping[str, Figure]
+
+    def write_table(self, path: str | Path) -> None:
+        """Write the table as CSV, a row a load, units in the header.
+
+        Parameters
+        ----------
+        path : path
+            Of the file, which is replaced where it is there.
+        """
+        rows = np.column_stack([*self.table.values()])
+        np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(HEADS), comments="")
+
+    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+        check_out(folder, overwrite=overwrite)
+        content = {
+            "name": self.text.partition("\n")[0],
+            "version": __version__,
+            "lines": lines(self.rows),
+            "how": DECLARED["page"]["how"],
+            "files": "joint",
+            "sections": under_headings(self.figures, DECLARED["page"]["sections"]),
+        }
+        return write_report(
+            folder,
+            self.figures,
+            pages={PAGE: partial(page_of, "record.html", content)},
+            files={TABLE: self.write_table, MARK: to_json(self.numbers) + "\n"},
+            marks=[MARK],
+            file_format=file_format,
+            older=[*self.figures],
+        )
+
+
+def check_out(folder: Path, *, overwrite: bool) -> None:
+    """Raise InputError for a folder that holds other files, or a joint."""
+    check_folder(folder, [MARK], what="a joint", overwrite=overwrite)
+
+
+@named_in_python()
+def joint_curve(
+    path: str | Path,
+    *,
+    load: str,
+    material: str,
+    against: str | Path | None = None,
+    against_material: str | None = None,
+    hardness: str | float | None = None,
+    device: str = "cpu",
+    **how: Unpack[HowToRead],
+) -> JointCurve:
+    """Press a measured surface on a plane or another one, and return what their joint does over the load.
+
+    Parameters
+    ----------
+    path
+        File of a measured surface.
+    load
+        Mean pressures: "0.1:100 MPa" is 13 of them, evenly in their logarithm; or one, or "1, 5, 20 MPa".
+    material
+        Name of a known material, see `materials`.
+    against
+        File of the other surface, turned over about x; without, it is a smooth plane.
+    against_material
+        Of the other body; by default the same.
+    hardness
+        Largest pressure of a cell [MPa], or text; by default that of the softer material.
+    device
+        "cpu" or "cuda:0".
+    **how
+        How the files are read, as for `read_surface`.
+
+    Returns
+    -------
+    JointCurve
+        A table over the loads, figures, and what wider cells change.
+
+    Raises
+    ------
+    InputError
+        For a file, load or material that is not possible.
+
+    References
+    ----------
+    J. R. Barber, Proc. R. Soc. A 459 (2003) 53.
+
+    Examples
+    --------
+    >>> np.save("lapped.npy", np.random.default_rng(0).normal(0.0, 0.1, (64, 64)))
+    >>> lapped = {"pixel": "2 um", "height_unit": "um", "s_filter": 0.016}
+    >>> joint = warpwear.joint_curve("lapped.npy", load="1, 10 MPa", material="AISI 304", **lapped)
+    >>> joint.table["pressure"]
+    array([ 1., 10.])
+    """
+    pressures, pair = loads_of(load), [_known(material), _known(against_material or material)]
+    softer = min(body.hardness for body in pair)
+    limit = softer if hardness is None else quantity("--hardness", hardness, "MPa")
+    modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
+    heights, cell = rough(*(read_surface(file, **how) for file in (path, against) if file is not None))
+    wide = heights.reshape(heights.shape[0] // 2, 2, -1, 2).mean(axis=(1, 3))
+    given: dict[str, Any] = {"modulus": modulus, "hardness": limit, "device": device}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        coarse, _ = press(wide, pressures, pair, cell=2.0 * cell, **given)
+        table, last = press(heights, pressures, pair, cell=cell, **given)
+    slope = rms_slope(heights, pixel=(cell, cell))
+    ratio, mode = asperities(limit, modulus, slope)
+    cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
+    with np.errstate(invalid="ignore"):  # infinite where all is in contact
+        changes = [
+            Row(name, name, 100.0 * float(np.mean(coarse[name] / table[name] - 1.0)), 2) for name in CHANGED
+        ]
+    rows = [
+        Row("E*", "modulus_MPa", modulus),
+        Row("hardness", "hardness_MPa", limit),
+        Row("rms slope", "rms_slope", slope, note=f"of cells of {1e3 * cell:.3g} µm"),
+        Row("asperities", "asperities", mode, note=f": H/(E* × rms slope) = {ratio:.3g}"),
+        Row("twice the cell", "changes_percent", changes),
+        Row("", "table", {head: list(at) for head, at in zip(HEADS, table.values(), strict=True)}),
+        Row("warning", "warnings", [*dict.fromkeys(str(one.message) for one in told)] or None),
+    ]
+    other = Path(against).name if against else "a smooth plane"
+    of_loads = [f"  {line}" for line in aligned([row[:PRINTED] for row in [HEADS, *cells]])]
+    text = "\n".join([f"joint of {Path(path).name} and {other}", *lines(rows), *of_loads])
+    figures = figures_of(table, coarse, last)
+    return JointCurve(text=text, rows=rows, draw=lambda: figures["conductance"], table=table, figures=figures)
+
+
+def _known(name: str) -> Material:
+    try:
+        return known_material(name)
+    except ValueError as error:
+        raise InputError(f"--material: {error}") from None
+
+
+def loads_of(text: str) -> FloatArray:
+    """Return the mean pressures [MPa] that a text says. Raises InputError."""
+    numbers, _, unit = text.strip().rpartition(" ")
+    is_range = ":" in numbers
+    values = [quantity("--load", f"{one} {unit}", "MPa") for one in numbers.split(":" if is_range else ",")]
+    if sorted({*values}) != values or (is_range and len(values) != 2):
+        raise InputError(f"--load = {text!r}: allowed are '0.1:100 MPa', or loads that rise, '1, 5, 20 MPa'")
+    return np.geomspace(values[0], values[1], LOADS) if is_range else np.array(values)
+
+
+def rough(surface: MeasuredSurface, *others: MeasuredSurface) -> tuple[FloatArray, float]:
+    """Return the heights [mm] of surfaces together, on even numbers of cells, and the cell."""
+    bodies = [surface, *others]
+    cell = max(pixel for body in bodies for pixel in body.pixel)
+    least = np.min([body.surface.size for body in bodies], axis=0)
+    nx, ny = (2 * int(0.5 * size / cell + 1e-9) for size in least)
+    grid = Grid(nx, ny, cell)
+    heights = surface.surface.heights(grid.x, grid.y)
+    return sum((one.surface.heights(grid.x, grid.y)[:, ::-1] for one in others), start=heights), cell
+
+
+def press(
+    heights: FloatArray, pressures: FloatArray, pair: list[Material], *, device: str, **given: Any
+) -> tuple[Table, ArrayContact]:
+    """Return the columns of all loads, NaN where it is not known what conducts, and the last contact."""
+    rows, on = [], dict[str, Any](device=device)
+    k, rho = ([getattr(body, name) or math.nan for body in pair] for name in ("conductivity", "resistivity"))
+    for pressure in pressures:
+        contact = solve_contact(heights, mean_pressure=pressure, **on, **given)
+        area, length = contact.nominal_area, contact.conductance(**on)
+        row = {
+            "pressure": pressure,
+            "area": contact.area / area,
+            "area_at_hardness": contact.area_at_hardness / area,
+            "separation": -1e3 * contact.approach,
+            "gap": 1e3 * float(np.maximum(contact.gap, 0.0).mean()),
+            "stiffness_loading": contact.stiffness(**on) / area,
+            "stiffness_unloading": contact.stiffness(unloading=True, **on) / area,
+            "conductance": length / area,
+            "heat_transfer": 2e3 * length / area / sum(1.0 / one for one in k),
+            "resistance": 500.0 * area / length * sum(rho),
+        }
+        rows.append([row[name] for name in DECLARED["columns"]])
+    return dict(zip(DECLARED["columns"], np.array(rows).T, strict=True)), contact
+
+
+def figures_of(table: Table, coarse: Table, last: ArrayContact) -> dict[str, Figure]:
+    """Declare the figures of a joint."""
+    x, pressure, figures = Axis("mean pressure, MPa", "log"), table["pressure"], {}
+    for name, said in DECLARED["figures"].items():
+        drawn = [
+            Line(pressure, table[of], label, replace(describe.look_of_group(n), marker="o"))
+            for n, (of, label) in enumerate(said["lines"].items())
+        ]
+        if name == "conductance":
+            drawn.append(Line(pressure, coarse[name], "cells twice as wide", Look(dash="dot")))
+        chart = Chart(said["title"], x, Axis(said["axis"], said.get("scale", "log")), drawn)
+        figures[name] = Figure([chart], 1, legend=1, width=describe.COLUMN)
+    title, (nx, ny) = f"Pressure at a mean of {last.mean_pressure:.3g} MPa", last.pressure.shape
+    scale = Scale("pressure, MPa", 0.0, float(last.pressure.max()))
+    extent = (0.0, nx * last.cell, 0.0, ny * last.cell)
+    field = Map(title, [last.pressure], extent, scale, x="x, mm", y="y, mm")
+    return figures | {"map": Figure([field], 1, width=describe.COLUMN)}
