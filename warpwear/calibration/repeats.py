@@ -21,7 +21,6 @@ from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.ensembles.table import write_csv
 from warpwear.errors import InputError, named_in_python
 from warpwear.figures.describe import Figure
-from warpwear.figures.sections import under_headings
 from warpwear.figures.wording import counted
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.analysis import RecordStep, analyse
@@ -29,11 +28,9 @@ from warpwear.measured.friction.events import events_of, laps_of
 from warpwear.measured.friction.report import notes_of
 from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
-from warpwear.measured.report import FolderReport, Report
+from warpwear.measured.report import FolderReport, Report, paged
 from warpwear.measured.rows import read_rows
-from warpwear.page.html import page_of
-from warpwear.results.report import Row, times, to_json
-from warpwear.version import __version__
+from warpwear.results.report import Row, times
 
 #: Number of a test -> its label and its unit.
 ASKED = {
@@ -132,20 +129,9 @@ class RepeatedTests(Report, FolderReport):
         columns = {key: [datum.entry[key] for datum in self.data] for key in COLUMNS}
         figures = {"courses": self._declared()} if any(test.course for test in self.tests) else {}
         caption = "Each test, their mean and standard deviation, and where the next test will lie (90 %)."
-        content = {
-            "name": self._title().capitalize(),
-            "version": __version__,
-            "lines": [str(self), "", *lines_of_data(self.data), *self.numbers["notes"]],
-            "how": HOW,
-            "files": "repeats",
-            "sections": under_headings(figures, [("Courses", "courses", ("courses",), caption)]),
-        }
-        return {
-            "figures": figures,
-            "pages": {"repeats.html": partial(page_of, "record.html", content)},
-            "files": {"repeats.csv": partial(write_csv, columns), self.MARK: to_json(self.numbers) + "\n"},
-            "older": ["courses"],
-        }
+        layout, table = [("Courses", "courses", ("courses",), caption)], partial(write_csv, columns)
+        lines = [str(self), "", *lines_of_data(self.data), *self.numbers["notes"]]
+        return paged(self, figures, layout, table, name=self._title().capitalize(), lines=lines, how=HOW)
 
 
 @named_in_python()

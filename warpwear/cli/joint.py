@@ -36,7 +36,7 @@ def joint(surface: Path, **options: Any) -> None:
     if folder is None and not as_json:
         folder = Path(f"{surface.name}-joint")
     if folder is not None:
-        joints.check_out(folder, overwrite=overwrite)
+        joints.JointCurve.check_out(folder, overwrite=overwrite)
     if table is not None and table.exists() and not overwrite:
         raise InputError(f"--table = {table} is there already: give another name, or --overwrite")
     given = {name: value for name, value in (prepared(options) | options).items() if value is not None}
@@ -45,5 +45,5 @@ def joint(surface: Path, **options: Any) -> None:
         curve.write_table(table)
     if folder is not None:
         curve.write(folder, overwrite=overwrite)
-    end = f"written to {folder}/: {joints.PAGE}, {joints.TABLE}, {joints.MARK}, figures"
+    end = f"written to {folder}/: joint.html, joint.csv, {curve.MARK}, figures"
     click.echo(written.to_json(curve.numbers) if as_json else f"{curve.text}\n{end}")

@@ -5,7 +5,6 @@ import tomllib
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Unpack
@@ -17,24 +16,17 @@ from warpwear.contact.array.solve import solve_contact
 from warpwear.errors import InputError, named_in_python
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, Scale
-from warpwear.figures.sections import under_headings
 from warpwear.grid import FloatArray, Grid
 from warpwear.laws.elastic import asperities, effective_modulus
 from warpwear.measured.options import quantity
-from warpwear.measured.report import FileReport
+from warpwear.measured.report import FileReport, FolderReport, paged
 from warpwear.measured.surface import HowToRead, read_surface
 from warpwear.measured.surface_report import MeasuredSurface
-from warpwear.page.folder import WrittenAsFolder, write_report
-from warpwear.page.html import page_of
-from warpwear.results.folder import check_folder
-from warpwear.results.report import Row, aligned, lines, to_json
+from warpwear.results.report import Row, aligned, lines
 from warpwear.study.materials import Material
 from warpwear.study.materials import material as known_material
 from warpwear.surfaces.roughness import rms_slope
-from warpwear.version import __version__
 
-#: What every folder of a joint has, its page, and its table.
-MARK, PAGE, TABLE = "joint.json", "joint.html", "joint.csv"
 #: Loads of a range, and columns that are printed.
 LOADS, PRINTED = 13, 6
 #: What is told of cells twice as wide.
@@ -47,7 +39,7 @@ Table = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class JointCurve(FileReport, WrittenAsFolder):
+class JointCurve(FileReport, FolderReport):
     """A joint has a table over its loads of what it conducts and how stiff it is; `print` shows some of it.
 
     Attributes
@@ -58,6 +50,8 @@ class JointCurve(FileReport, WrittenAsFolder):
         Name -> what it shows.
     """
 
+    MARK = "joint.json"
+    WHAT = "a joint"
     table: Table
     figures: Mapping[str, Figure]
 
@@ -72,30 +66,9 @@ class JointCurve(FileReport, WrittenAsFolder):
         rows = np.column_stack([*self.table.values()])
         np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(HEADS), comments="")
 
-    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
-        check_out(folder, overwrite=overwrite)
-        content = {
-            "name": self.text.partition("\n")[0],
-            "version": __version__,
-            "lines": lines(self.rows),
-            "how": DECLARED["page"]["how"],
-            "files": "joint",
-            "sections": under_headings(self.figures, DECLARED["page"]["sections"]),
-        }
-        return write_report(
-            folder,
-            self.figures,
-            pages={PAGE: partial(page_of, "record.html", content)},
-            files={TABLE: self.write_table, MARK: to_json(self.numbers) + "\n"},
-            marks=[MARK],
-            file_format=file_format,
-            older=[*self.figures],
-        )
-
-
-def check_out(folder: Path, *, overwrite: bool) -> None:
-    """Raise InputError for a folder that holds other files, or a joint."""
-    check_folder(folder, [MARK], what="a joint", overwrite=overwrite)
+    def _parts(self, folder: Path) -> dict[str, Any]:
+        name, said = self.text.partition("\n")[0], {"lines": lines(self.rows), "how": DECLARED["page"]["how"]}
+        return paged(self, self.figures, DECLARED["page"]["sections"], self.write_table, name=name, **said)
 
 
 @named_in_python()

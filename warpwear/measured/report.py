@@ -1,20 +1,25 @@
 """A report is what a person holds of measurements: its numbers, a text, a table and maybe a figure."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import Any, ClassVar
 
+from warpwear import lazy
 from warpwear.errors import OVERWRITE_IT, InputError, in_python
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
+from warpwear.figures.sections import under_headings
 from warpwear.figures.style import check_format, write_figure
-from warpwear.page.folder import WrittenAsFolder, write_report
+from warpwear.page.folder import Content, WrittenAsFolder, write_report
 from warpwear.results.folder import check_folder
 from warpwear.results.frames import package
-from warpwear.results.report import VALUES, Row, lines, record, without_nan
+from warpwear.results.report import VALUES, Row, lines, record, to_json, without_nan
+from warpwear.version import __version__
+
+html = lazy.module("warpwear.page.html")
 
 #: Endings of files that a figure can be written to.
 FORMATS = (".png", ".pdf", ".svg")
@@ -167,6 +172,24 @@ class FolderReport(WrittenAsFolder):
     def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
         self.check_out(folder, file_format=file_format, overwrite=overwrite)
         return write_report(folder, **self._parts(folder), marks=[self.MARK], file_format=file_format)
+
+
+def paged(
+    report: Any, figures: Mapping[str, Figure], layout: Sequence[Any], table: Content, **said: Any
+) -> dict[str, Any]:
+    """Give the parts of a report with one page: figures, the page, its table and its numbers.
+
+    layout: as of `under_headings`. said: `name` and `lines` of the report, and `how` it was found.
+    """
+    kind = report.MARK.removesuffix(".json")
+    sections = under_headings(figures, layout)
+    content = {"version": __version__, "files": kind, "sections": sections, **said}
+    return {
+        "figures": figures,
+        "pages": {f"{kind}.html": partial(html.page_of, "record.html", content)},
+        "files": {f"{kind}.csv": table, report.MARK: to_json(report.numbers) + "\n"},
+        "older": [figure for _, _, names, _ in layout for figure in names],
+    }
 
 
 def brief(text: str) -> str:

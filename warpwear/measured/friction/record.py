@@ -7,17 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError, named_in_python
-from warpwear.figures.sections import under_headings
 from warpwear.measured.friction.analysis import Analysis, analyse
 from warpwear.measured.friction.figures import course_figure, figures_of
 from warpwear.measured.friction.report import HOW, rows_of, table_of
 from warpwear.measured.motion import Motion, Radius, motion_of
-from warpwear.measured.report import FileReport, FolderReport
+from warpwear.measured.report import FileReport, FolderReport, paged
 from warpwear.measured.rows import Paths, read_rows, without_offset
-from warpwear.page.html import page_of
 from warpwear.results.frames import package
-from warpwear.results.report import lines, to_json
-from warpwear.version import __version__
+from warpwear.results.report import lines
 
 #: Page and table of a record.
 PAGE, TABLE = "record.html", "record.csv"
@@ -64,20 +61,8 @@ class FrictionRecord(FileReport, FolderReport):
 
     def _parts(self, folder: Path) -> dict[str, Any]:
         figures = figures_of(self.analysis)
-        content = {
-            "name": f"Record {self.analysis.rows.path.name}",
-            "version": __version__,
-            "lines": lines(self.rows),
-            "how": HOW,
-            "files": "record",
-            "sections": under_headings(figures, SECTIONS),
-        }
-        return {
-            "figures": figures,
-            "pages": {PAGE: partial(page_of, PAGE, content)},
-            "files": {TABLE: table_of(self.analysis), self.MARK: to_json(self.numbers) + "\n"},
-            "older": ["course", "loops"],
-        }
+        name, said = f"Record {self.analysis.rows.path.name}", {"lines": lines(self.rows), "how": HOW}
+        return paged(self, figures, SECTIONS, table_of(self.analysis), name=name, **said)
 
 
 @named_in_python()
