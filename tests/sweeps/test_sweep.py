@@ -198,3 +198,12 @@ def test_a_table_holds_no_formula_of_a_spreadsheet(tmp_path: Path, quick_picture
     assert "'=1+2" in text
     assert ",=1+2" not in text
     assert "\n=1+2" not in text
+
+
+def test_a_dry_run_says_a_cost_and_no_failure(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+    """Runs that were not asked for have not failed; records are read before, by the speed of the study."""
+    (tmp_path / "cof.csv").write_text("Time [s],CoF\n0,0.5\n1,0.5\n2,0.5\n", encoding="utf-8")
+    how = {"executor": Here(), "dry_run": True, "experiments": [tmp_path / "cof.csv"]}
+    dry = warpwear.sweep(small(), vary={"contact.load": ["8 N"]}, out=tmp_path / "out", **how)
+    assert dry.cost.startswith("1 runs: about ")
+    assert not [w for w in recwarn if w.category is warpwear.StudyWarning]

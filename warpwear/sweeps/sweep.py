@@ -107,8 +107,7 @@ def sweep(
         raise InputError("--runs and --experiment, experiments=[…] need --out, the folder of the sweep")
     how: Any = {"runs": runs, "experiments": several(experiments), "dry_run": dry_run}
     result = make_sweep(plan, None if out is None else Path(out), where, **how, **logging_each(plan))
-    failed = failed_sentence(result)
-    if failed is not None:
+    if not dry_run and (failed := failed_sentence(result)) is not None:
         warn(f"{failed}.")
     return result
 
