@@ -282,7 +282,7 @@ def figures_of(table: Table, coarse: Table, last: ArrayContact) -> dict[str, Fig
         scale = Scale(said["label"], 0.0, float(field.max()) or 1.0, colours=said["colours"])
         title = name.capitalize() + at
         drawn_map = Map(title, [field], extent, scale, x="x, mm", y="y, mm")
-        counts, edges = np.histogram(field[where], BINS)
+        counts, edges = np.histogram(field[where], BINS, (0.0, scale.high))
         places, heights = np.repeat(edges, 2)[1:-1], np.repeat(counts / max(counts.sum(), 1), 2)
         share = Axis(f"share of the area {said['cells']}, –", low=0.0)
         bars = Line(places, heights, look=Look(describe.TOUCHED, ""), low=0.0 * heights, high=heights)
