@@ -1,4 +1,4 @@
-"""What output.joint asks for of the contact of a snapshot: what it conducts and lets through, how hot it gets."""
+"""What output.joint asks for: what the contact of a snapshot conducts and lets through, how hot it gets."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -197,7 +197,9 @@ def joint_curve(
     of_loads = [f"  {line}" for line in aligned([*shown])]
     text = "\n".join([f"joint of {Path(path).name} and {other}", *lines(rows), *of_loads])
     figures = figures_of(table, coarse, last)
-    return JointCurve(text=text, rows=rows, draw=lambda: next(iter(figures.values())), table=table, figures=figures)
+    return JointCurve(
+        text=text, rows=rows, draw=lambda: next(iter(figures.values())), table=table, figures=figures
+    )
 
 
 def _known(name: str) -> Material:

@@ -54,9 +54,10 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
     count = len(result.snapshots)  # none of a run that was interrupted before the first
-    with warnings.catch_warnings(record=True) as told:  # of all threads
+    with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always", UserWarning)
-        if result.at_hand.keys() >= {*range(count)}:
+        # Contacts are solved one after another, each by all threads.
+        if result.at_hand.keys() >= {*range(count)} and not result.study.output.joint:
             with ThreadPoolExecutor(int(result.attributes["threads"])) as pool:
                 fields = [result.at_hand[number] for number in range(count)]
                 rows = list(pool.map(partial(_of_snapshot, result), range(count), fields))
