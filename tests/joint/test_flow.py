@@ -10,7 +10,7 @@ import warpwear
 from tests.cases_half_space import rough
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.found import FlowFactors
-from warpwear.contact.joint.flow import through, ways
+from warpwear.contact.joint.flow import SHORT_SLOPE, short_slope, through, ways
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 
@@ -154,3 +154,12 @@ def test_what_is_refused_and_told() -> None:
     under = warpwear.solve_contact(heights, **(bearing | {"mean_pressure": 0.01}), counter_radius=10.0)
     with pytest.raises(InputError, match="under a counter-body neither"):
         under.flow_factors()
+
+
+def test_a_seam_is_no_short_wave() -> None:
+    """Nor is the tilt that makes it; of waves of two cells along an axis the whole slope is."""
+    x = np.arange(64.0)[:, np.newaxis]
+    long = np.sin(2.0 * np.pi * x / 40.0) + 0.0 * x.T
+    assert short_slope(long) < SHORT_SLOPE
+    assert short_slope(long + 0.1 * x) < SHORT_SLOPE
+    assert short_slope((-1.0) ** x + 0.0 * x.T) > 0.99

@@ -43,6 +43,33 @@ def test_a_curve_is_that_of_solved_contacts(surface: Path) -> None:
     assert table["heat_transfer"] == pytest.approx(16.2 * 1e3 * table["conductance"])
     assert table["resistance"] == pytest.approx(7.2e-4 / table["conductance"])
     assert (np.diff(table["conductance"]) > 0.0).all()
+    flow = contact.flow_factors()
+    assert table["flow_along"][-1] == pytest.approx(flow.along)
+    assert table["flow_across"][-1] == pytest.approx(flow.across)
+    assert table["flow_shear"][-1] == pytest.approx(flow.shear)
+    cube = (table["gap"] / table["separation"]) ** 3
+    assert table["nominal_flow_along"] == pytest.approx(cube * table["flow_along"])
+    assert {"flow", "gap_map", "pressure_histogram"} <= {*joint.figures}
+
+
+def test_one_load_is_shown_by_its_fields(surface: Path) -> None:
+    """Shares of a histogram are those of all cells in contact; what is not known is told."""
+    joint = warpwear.joint_curve(surface, load="20 MPa", material="AISI 304", against_material="PTFE", **HOW)
+    assert [*joint.figures] == ["pressure_map", "pressure_histogram", "gap_map", "gap_histogram"]
+    for name in ("pressure", "gap"):
+        chart = joint.figures[f"{name}_histogram"].panels[0]
+        assert chart.lines[0].high[::2].sum() == pytest.approx(1.0)
+    assert joint.numbers["not_known"] == ["resistivity of PTFE"]
+    assert "\n  nominal_flow_across [1] " in joint.text
+
+
+def test_a_gap_of_too_many_cells_has_no_flow(surface: Path, host_with: Any) -> None:
+    host_with(2**22)
+    joint = warpwear.joint_curve(surface, load="1, 20 MPa", material="AISI 304", **HOW)
+    assert np.isnan(joint.table["flow_along"]).all()
+    assert np.isfinite(joint.table["conductance"]).all()
+    assert "flow" not in joint.figures
+    assert any(text.startswith("flow is not known: gaps of shape") for text in joint.numbers["warnings"])
 
 
 def test_two_surfaces_touch_where_both_are_high(surface: Path, tmp_path: Path) -> None:
@@ -69,7 +96,7 @@ def test_the_command_prints_and_writes(
     assert "twice the cell" in text
     folder = tmp_path / "lapped.npy-joint"
     names = {path.name for path in folder.iterdir()}
-    assert {"joint.html", "joint.csv", "joint.json", "conductance.png", "map.png"} <= names
+    assert {"joint.html", "joint.csv", "joint.json", "conductance.png", "gap_map.png"} <= names
     assert (tmp_path / "fe.csv").read_text() == (folder / "joint.csv").read_text()
     header, *rows = (tmp_path / "fe.csv").read_text().splitlines()
     assert header.startswith("pressure [MPa],heat_transfer [W/m^2/K],resistance [ohm mm^2]")

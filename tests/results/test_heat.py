@@ -6,7 +6,6 @@ import pytest
 
 import warpwear
 from warpwear.history.end_values import Summary
-from warpwear.results import summary_models
 from warpwear.results.ending import WARM, friction_of
 
 STEEL = {
@@ -55,6 +54,15 @@ def test_how_hot_it_gets_as_a_contact_of_an_array_says() -> None:
     assert text.endswith(f"; {hot.largest:.2g} K hotter at most: temperature plays no part")
 
 
+def test_constants_of_a_material_are_told_as_such() -> None:
+    study = warpwear.Study.load("v3-fine").replace(SMALL)
+    result = warpwear.run(study)
+    assert " K hotter at most, by constants of their materials: " in friction_of(
+        study, Summary.of(result.summary)
+    )
+    assert len(study.assumptions) == len(study.replace(STEEL).assumptions)
+
+
 def test_what_is_no_longer_small() -> None:
     summary, text = told(sliding__speed="2 m/s")
     assert summary["flash_K"]["largest"] > WARM
@@ -78,7 +86,7 @@ def test_what_is_not_known(changes: dict[str, Any], unknown: str) -> None:
 
 def test_what_cannot_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patched:
-        patched.setattr(summary_models, "MOST_HEATED", 9)
+        patched.setattr("warpwear.history.joint.MOST_HEATED", 9)
         assert told()[0]["flash_unknown"] == "too many cells"
     with monkeypatch.context() as patched:
         patched.setattr("warpwear.contact.joint.flash.TOLERANCE", 1e-30)

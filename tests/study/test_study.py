@@ -244,7 +244,7 @@ def test_a_study_shows_itself_in_one_line() -> None:
 def test_a_notebook_shows_a_study_with_its_assumptions_marked() -> None:
     study = Study.load("v3-fine").replace({"study.description": "<script>alert(1)</script>"})
     html = study._repr_html_()
-    assert html.count("# ASSUMED: ") == len(study.assumptions) == 28
+    assert html.count("# ASSUMED: ") == len(study.assumptions) == 22
     assert "\nshear_strength = " in html
     assert "<script" not in html
     assert repr(study).startswith("<Study 'v3-fine': micro model, local law")

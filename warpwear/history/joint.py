@@ -1,22 +1,34 @@
-"""What the contact of a snapshot conducts and how stiff it is: columns that output.joint asks for."""
+"""What output.joint asks for: what the contact of a snapshot conducts and lets through, how hot it gets."""
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.contact.array.contact import ArrayContact
+from warpwear.contact.array.found import Flash
 from warpwear.contact.array.solve import solve_contact
+from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
+from warpwear.study.bodies import HEAT
 from warpwear.study.study import Study
+
+heating = lazy.module("warpwear.contact.joint.flash")
 
 #: Column -> its value of a contact; the first word of its name is what output.joint asks for.
 COLUMNS: Mapping[str, Callable[[ArrayContact], float]] = {
     "conductance_length": ArrayContact.conductance,
     "stiffness_loading": ArrayContact.stiffness,
     "stiffness_unloading": partial(ArrayContact.stiffness, unloading=True),
+    "flow_along": lambda contact: contact.flow_factors().along,
+    "flow_across": lambda contact: contact.flow_factors().across,
+    "flow_shear": lambda contact: contact.flow_factors().shear,
 }
+#: Cells that a contact spans at most of which it is told how hot it gets: a few seconds, and 2 GB.
+MOST_HEATED = 2**22
 
 
 def contact_of(study: Study, snapshot: Snapshot, load: float) -> ArrayContact:
@@ -34,5 +46,46 @@ def contact_of(study: Study, snapshot: Snapshot, load: float) -> ArrayContact:
 def columns_at(study: Study, snapshot: Snapshot, history: Mapping[str, FloatArray]) -> dict[str, float]:
     """Return the columns that a study asks for, of a snapshot of a run with a history."""
     at = min(int(np.searchsorted(history["distance"], snapshot.distance)), history["load"].size - 1)
-    contact = contact_of(study, snapshot, float(history["load"][at]))
-    return {n: of(contact) for n, of in COLUMNS.items() if n.partition("_")[0] in study.output.joint}
+    row, asked = dict[str, float](), study.output.joint
+    if "flash" in asked:
+        hot = flash_of(study, snapshot, cof=float(history["cof"][at]))
+        largest, mean = (math.nan, math.nan) if isinstance(hot, str) else (hot.largest, hot.mean)
+        row = {"flash_max": largest, "flash_mean": mean}
+    if {*asked} - {"flash"}:
+        contact = contact_of(study, snapshot, float(history["load"][at]))
+        row |= {n: of(contact) for n, of in COLUMNS.items() if n.partition("_")[0] in asked}
+    return row
+
+
+def flash_of(study: Study, snapshot: Snapshot | None, *, cof: float) -> Flash | str:
+    """Return how much hotter than the bodies the contact of a snapshot is, or what is not known of it.
+
+    The disc moves at its mean speed through a contact that stays on the counter-body; heat goes by pressure.
+    """
+    bodies = {"disc": study.disc, study.counter.name: study.counter}
+    values = [[getattr(body, name) for body in bodies.values()] for name in HEAT]
+    constants = np.array(values, dtype=np.float64)  # of which None is not a number
+    missing = [f"{HEAT[i]} of the {[*bodies][j]}" for i, j in np.argwhere(np.isnan(constants))]
+    slid = 0.0 if snapshot is None else snapshot.distance * (1.0 - 1.0e-9)
+    speed = next((block.speed for block in study.blocks if slid <= block.end), study.blocks[-1].speed)
+    others = {"sliding speed": speed, "coefficient of friction": cof > 0.0}
+    others["snapshot of all its cells"] = snapshot is not None and study.study.model != "two-scale"
+    others["contact of limited extent"] = not study.is_line
+    missing += [name for name, is_known in others.items() if not is_known]
+    if missing or snapshot is None:
+        return f"no {missing[0].replace('_', ' ')}"
+    pressure, (conducts, heats, weighs) = snapshot.pressure, constants
+    if math.prod(np.count_nonzero(pressure.any(axis=axis)) for axis in (0, 1)) > MOST_HEATED:
+        return "too many cells"
+    try:
+        hot: Flash = heating.flash(
+            pressure,
+            speed,
+            cell=study.grid.cell,
+            conductivity=conducts,
+            diffusivity=1.0e6 * conducts / (heats * weighs),  # [mm²/s]
+            friction=cof,
+        )
+    except ConvergenceError as error:
+        return str(error)
+    return hot

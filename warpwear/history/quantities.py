@@ -48,6 +48,8 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
     "conductance": ("output.joint with conductance", lambda study: "conductance" in study.output.joint),
     "stiffness": ("output.joint with stiffness", lambda study: "stiffness" in study.output.joint),
+    "flow": ("output.joint with flow", lambda study: "flow" in study.output.joint),
+    "flash": ("output.joint with flash", lambda study: "flash" in study.output.joint),
 }
 
 

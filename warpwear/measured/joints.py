@@ -29,10 +29,12 @@ from warpwear.surfaces.roughness import rms_slope
 
 #: Loads of a range, and columns that are printed.
 LOADS, PRINTED = 13, 6
-#: What is told of cells twice as wide.
-CHANGED = ("conductance", "stiffness_unloading", "area")
+#: What is told of cells twice as wide; bins of a histogram.
+CHANGED = ("conductance", "stiffness_unloading", "area", "flow_along")
+BINS = 40
 #: Units of columns, figures, and what the page says.
 DECLARED = tomllib.loads((files("warpwear.measured") / "joint.toml").read_text(encoding="utf-8"))
+FLOWS = [name for name in DECLARED["columns"] if "flow" in name]
 HEADS = [f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()]
 
 Table = Mapping[str, FloatArray]
@@ -136,28 +138,41 @@ def joint_curve(
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         coarse, _ = press(wide, pressures, pair, cell=2.0 * cell, **given)
+        told.clear()
         table, last = press(heights, pressures, pair, cell=cell, **given)
     slope = rms_slope(heights, pixel=(cell, cell))
     ratio, mode = asperities(limit, modulus, slope)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
-    with np.errstate(invalid="ignore"):  # infinite where all is in contact
-        changes = [
-            Row(name, name, 100.0 * float(np.mean(coarse[name] / table[name] - 1.0)), 2) for name in CHANGED
-        ]
+    changes = []
+    with np.errstate(invalid="ignore", divide="ignore"):  # infinite where all is in contact, 0 where no flow
+        for name in CHANGED:
+            change = 100.0 * (coarse[name] / table[name] - 1.0)
+            known = change[np.isfinite(change)]
+            changes.append(Row(name, name, float(known.mean()) if known.size else None, 2))
+    missing = [
+        f"{name} of {body.name}"
+        for body in {body.name: body for body in pair}.values()
+        for name in ("conductivity", "resistivity")
+        if getattr(body, name) is None
+    ]
     rows = [
         Row("E*", "modulus_MPa", modulus),
         Row("hardness", "hardness_MPa", limit),
         Row("rms slope", "rms_slope", slope, note=f"of cells of {1e3 * cell:.3g} µm"),
         Row("asperities", "asperities", mode, note=f": H/(E* × rms slope) = {ratio:.3g}"),
         Row("twice the cell", "changes_percent", changes),
+        Row("not known", "not_known", missing or None),
         Row("", "table", {head: list(at) for head, at in zip(HEADS, table.values(), strict=True)}),
         Row("warning", "warnings", [*dict.fromkeys(str(one.message) for one in told)] or None),
     ]
     other = Path(against).name if against else "a smooth plane"
-    of_loads = [f"  {line}" for line in aligned([row[:PRINTED] for row in [HEADS, *cells]])]
+    shown = [row[:PRINTED] for row in [HEADS, *cells]] if len(cells) > 1 else zip(HEADS, *cells, strict=True)
+    of_loads = [f"  {line}" for line in aligned([*shown])]
     text = "\n".join([f"joint of {Path(path).name} and {other}", *lines(rows), *of_loads])
     figures = figures_of(table, coarse, last)
-    return JointCurve(text=text, rows=rows, draw=lambda: figures["conductance"], table=table, figures=figures)
+    return JointCurve(
+        text=text, rows=rows, draw=lambda: next(iter(figures.values())), table=table, figures=figures
+    )
 
 
 def _known(name: str) -> Material:
@@ -197,6 +212,12 @@ def press(
     for pressure in pressures:
         contact = solve_contact(heights, mean_pressure=pressure, **on, **given)
         area, length = contact.nominal_area, contact.conductance(**on)
+        try:
+            flow = contact.flow_factors()
+            flows = [flow.along, flow.across, flow.shear, *(flow.nominal or [math.nan] * 2)]
+        except InputError as error:  # of too many cells
+            warnings.warn(f"flow is not known: {error}", stacklevel=2)
+            flows = [math.nan] * len(FLOWS)
         row = {
             "pressure": pressure,
             "area": contact.area / area,
@@ -208,6 +229,7 @@ def press(
             "conductance": length / area,
             "heat_transfer": 2e3 * length / area / sum(1.0 / one for one in k),
             "resistance": 500.0 * area / length * sum(rho),
+            **dict(zip(FLOWS, flows, strict=True)),
         }
         rows.append([row[name] for name in DECLARED["columns"]])
     return dict(zip(DECLARED["columns"], np.array(rows).T, strict=True)), contact
@@ -216,17 +238,30 @@ def press(
 def figures_of(table: Table, coarse: Table, last: ArrayContact) -> dict[str, Figure]:
     """Declare the figures of a joint."""
     x, pressure, figures = Axis("mean pressure, MPa", "log"), table["pressure"], {}
-    for name, said in DECLARED["figures"].items():
+    for name, said in DECLARED["figures"].items() if len(pressure) > 1 else ():
+        if np.isnan([table[of] for of in said["lines"]]).all():
+            continue
         drawn = [
             Line(pressure, table[of], label, replace(describe.look_of_group(n), marker="o"))
             for n, (of, label) in enumerate(said["lines"].items())
         ]
-        if name == "conductance":
-            drawn.append(Line(pressure, coarse[name], "cells twice as wide", Look(dash="dot")))
+        if "coarse" in said:
+            drawn.append(Line(pressure, coarse[said["coarse"]], "cells twice as wide", Look(dash="dot")))
         chart = Chart(said["title"], x, Axis(said["axis"], said.get("scale", "log")), drawn)
         figures[name] = Figure([chart], 1, legend=1, width=describe.COLUMN)
-    title, (nx, ny) = f"Pressure at a mean of {last.mean_pressure:.3g} MPa", last.pressure.shape
-    scale = Scale("pressure, MPa", 0.0, float(last.pressure.max()))
-    extent = (0.0, nx * last.cell, 0.0, ny * last.cell)
-    field = Map(title, [last.pressure], extent, scale, x="x, mm", y="y, mm")
-    return figures | {"map": Figure([field], 1, width=describe.COLUMN)}
+    at, touches = f" at a mean of {last.mean_pressure:.3g} MPa", last.pressure > 0.0
+    extent = (0.0, touches.shape[0] * last.cell, 0.0, touches.shape[1] * last.cell)
+    fields = {"pressure": (last.pressure, touches), "gap": (1e3 * np.maximum(last.gap, 0.0), ~touches)}
+    for name, (field, where) in fields.items():
+        said = DECLARED["fields"][name]
+        scale = Scale(said["label"], 0.0, float(field.max()) or 1.0, colours=said["colours"])
+        title = name.capitalize() + at
+        drawn_map = Map(title, [field], extent, scale, x="x, mm", y="y, mm")
+        counts, edges = np.histogram(field[where], BINS, (0.0, scale.high))
+        places, heights = np.repeat(edges, 2)[1:-1], np.repeat(counts / max(counts.sum(), 1), 2)
+        share = Axis(f"share of the area {said['cells']}, –", low=0.0)
+        bars = Line(places, heights, look=Look(describe.TOUCHED, ""), low=0.0 * heights, high=heights)
+        chart = Chart(title, Axis(said["label"]), share, [bars])
+        figures[f"{name}_map"] = Figure([drawn_map], 1, width=describe.COLUMN)
+        figures[f"{name}_histogram"] = Figure([chart], 1, width=describe.COLUMN)
+    return figures

@@ -6,10 +6,12 @@ from typing import Any
 from warpwear.history.distances import with_unit
 from warpwear.history.end_values import Summary
 from warpwear.history.verdict import rank_of
+from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import Row, lines, shown
 from warpwear.results.summary import summarise
+from warpwear.study.bodies import HEAT
 from warpwear.study.study import Study
 
 #: Rank of notes on no number, which are not counted.
@@ -38,4 +40,5 @@ def ending(result: ResultFile) -> str:
 
 def friction_of(study: Study, s: Summary) -> str:
     """Say how friction goes, which end of it is an input, and what predicts it elsewhere."""
-    return filled("friction.txt", escape=False, study=study, s=s, warm=WARM).strip()
+    given = {f"{body}.{name}" for body in BODIES for name in HEAT} <= study.given_keys
+    return filled("friction.txt", escape=False, study=study, s=s, warm=WARM, tabled=not given).strip()

@@ -3,6 +3,7 @@
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """
 
+import warnings
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple, dataclass, replace
@@ -36,10 +37,14 @@ VIEW = 0.1
 
 @dataclass(frozen=True)
 class SurfaceEvolution:
-    """Hold one row a snapshot: `table[name]` of shape (snapshots,), and the area of every island [mm²]."""
+    """Hold one row a snapshot: `table[name]` of shape (snapshots,), and the area of every island [mm²].
+
+    warnings: sentences about columns of output.joint.
+    """
 
     table: dict[str, FloatArray]
     island_areas: tuple[FloatArray, ...]
+    warnings: tuple[str, ...] = ()
 
 
 def surface_evolution(result: ResultFile) -> SurfaceEvolution:
@@ -49,15 +54,19 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
     count = len(result.snapshots)  # none of a run that was interrupted before the first
-    if result.at_hand.keys() >= {*range(count)}:
-        with ThreadPoolExecutor(int(result.attributes["threads"])) as pool:
-            fields = [result.at_hand[number] for number in range(count)]
-            rows = list(pool.map(partial(_of_snapshot, result), range(count), fields))
-    else:  # one at a time in memory
-        rows = [_of_snapshot(result, index, snapshot) for index, snapshot in enumerate(result.snapshots)]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", UserWarning)
+        # Contacts are solved one after another, each by all threads.
+        if result.at_hand.keys() >= {*range(count)} and not result.study.output.joint:
+            with ThreadPoolExecutor(int(result.attributes["threads"])) as pool:
+                fields = [result.at_hand[number] for number in range(count)]
+                rows = list(pool.map(partial(_of_snapshot, result), range(count), fields))
+        else:  # one at a time in memory
+            rows = [_of_snapshot(result, index, snapshot) for index, snapshot in enumerate(result.snapshots)]
     names = [column.name for column in evolution_columns(result.study)]
     table = {name: np.array([row[name] for row, _ in rows]) for name in names}
-    return SurfaceEvolution(table, tuple(islands for _, islands in rows))
+    sentences = dict.fromkeys(f"output.joint: {one.message}" for one in told if one.category is UserWarning)
+    return SurfaceEvolution(table, tuple(islands for _, islands in rows), tuple(sentences))
 
 
 def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:

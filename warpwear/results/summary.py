@@ -16,6 +16,7 @@ from warpwear.laws.archard import BODIES
 from warpwear.laws.courses import Breaking, fit_breaking
 from warpwear.laws.elastic import asperities
 from warpwear.results import summary_models
+from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import finite, shown
 from warpwear.results.track import course, shape_of_growth
@@ -282,6 +283,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> dict[str, Any]:
         "disc_volume_over_KFL": end["wear_volume_disc"] / expected if expected else None,
         "notes": [],
         **result.record,
+        "warnings": [*result.record["warnings"], *surface_evolution(result).warnings],
         "assumptions": study.assumptions,
     }
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES
@@ -21,10 +20,8 @@ from warpwear.results.track import both_directions, course, groove, is_short, ro
 
 #: Parts of the area in contact that the uppermost layer has no more when it is half worn through, and first.
 HALF, LEAST = 0.5, 1.0e-9
-#: Cells that a contact spans at most of which it is told how hot it gets: a few seconds, and 2 GB.
-MOST_HEATED = 2**22
 below = lazy.module("warpwear.contact.stress.stresses")
-heating = lazy.module("warpwear.contact.joint.flash")
+joints = lazy.module("warpwear.history.joint")
 
 
 def arrangement(result: ResultFile) -> dict[str, Any]:
@@ -170,38 +167,14 @@ def _hertz(result: ResultFile) -> dict[str, Any] | None:
 
 
 def heat(result: ResultFile, cof: float) -> dict[str, Any]:
-    """Return how much hotter than the bodies the last contact is, or what is not known of it.
-
-    The disc moves at its mean speed through a contact that stays on the counter-body; heat goes by pressure.
-    """
-    study, distances = result.study, result.snapshot_distances
-    if not result.history["distance"][-1]:
+    """Return how much hotter than the bodies the last contact is, or what is not known of it."""
+    distances, slid = result.snapshot_distances, result.history["distance"][-1]
+    if not slid:
         return {}
-    bodies = {"disc": study.disc, study.counter.name: study.counter}
-    names = ("conductivity", "heat_capacity", "density")
-    values = [[getattr(body, name) for body in bodies.values()] for name in names]
-    constants = np.array(values, dtype=np.float64)  # of which None is not a number
-    missing = [f"{names[i]} of the {[*bodies][j]}" for i, j in np.argwhere(np.isnan(constants))]
-    kept = distances.size and distances[-1] == result.history["distance"][-1]
-    others = {"sliding speed": study.blocks[-1].speed, "coefficient of friction": cof > 0.0}
-    others["snapshot of all its cells"] = kept and study.study.model != "two-scale"
-    others["contact of limited extent"] = not study.is_line
-    if missing := missing + [name for name, is_known in others.items() if not is_known]:
-        return {"flash_unknown": f"no {missing[0].replace('_', ' ')}"}
-    pressure, (conducts, heats, weighs) = result.snapshot(-1).pressure, constants
-    if math.prod(np.count_nonzero(pressure.any(axis=axis)) for axis in (0, 1)) > MOST_HEATED:
-        return {"flash_unknown": "too many cells"}
-    try:
-        hot = heating.flash(
-            pressure,
-            study.blocks[-1].speed,
-            cell=study.grid.cell,
-            conductivity=conducts,
-            diffusivity=1.0e6 * conducts / (heats * weighs),  # [mm²/s]
-            friction=cof,
-        )
-    except ConvergenceError as error:
-        return {"flash_unknown": str(error)}
+    last = result.snapshot(-1) if distances.size and distances[-1] == slid else None
+    hot = joints.flash_of(result.study, last, cof=cof)
+    if isinstance(hot, str):
+        return {"flash_unknown": hot}
     return {"flash_K": {"largest": hot.largest, "mean": hot.mean}}
 
 

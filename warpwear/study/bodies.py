@@ -28,8 +28,9 @@ NOMINAL = when(
 random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
 periodic_key, like_key = partial(key, applies=PERIODIC), partial(key, applies=LIKE)
 file_key = partial(key, applies="FROM_A_FILE")
-#: Constants of a body that its material has.
-CONSTANTS = ("young", "poisson", "hardness", "conductivity", "heat_capacity", "density", "resistivity")
+#: Constants that say how hot a contact gets, and nothing else; all that a body has of its material.
+HEAT = ("conductivity", "heat_capacity", "density")
+CONSTANTS = ("young", "poisson", "hardness", *HEAT, "resistivity")
 joint_key = partial(key, None, applies=when("output.joint", otherwise="does not apply without output.joint"))
 Radius = Annotated[float, InUnit("mm", Range(infinite=True))]
 

@@ -22,7 +22,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask, FeatureLaw
 from warpwear.laws.track import WHOLE, Leg, Track, spread_over
 from warpwear.study import motion
-from warpwear.study.bodies import CONSTANTS, CounterBody, Disc
+from warpwear.study.bodies import CONSTANTS, HEAT, CounterBody, Disc
 from warpwear.study.contact import Contact
 from warpwear.study.keys import TABLES, Section, attribute_of, declarations, is_given, key, needs, uses, when
 from warpwear.study.materials import material
@@ -107,13 +107,16 @@ class Content(Section):
         for name, value in self.resolved.items():
             section, _, last = name.partition(".")
             content[section][last] = value
+        # Of a material's constants those of heat need no place unless a column is kept that goes by them.
+        needless = ("resistivity", *(() if "flash" in self.output.joint else HEAT))
+        left = {f"{body}.{name}" for body in BODIES for name in needless} - self.given_keys
 
         def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
             names = sorted(content, key=lambda one: (isinstance(content[one], dict), prefix + one in TABLES))
             for name, value in ((prefix + one, content[one]) for one in names):
                 if isinstance(value, dict):
                     yield from walk(f"{name}.", value)
-                elif value is not None and name not in self.unused_keys:
+                elif value is not None and name not in self.unused_keys and name not in left:
                     tables = attribute_of(self, name) if name in TABLES else ()
                     yield name, [table.model_dump(exclude_none=True) for table in tables] or value
 

@@ -118,7 +118,7 @@ def _line(study: Content) -> None:
 
 
 def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
+    """Refuse a half-space that repeats a counter-body, unless that goes on, and flow where none repeats."""
     form, elastic = study.counter.form, study.contact.law == "half-space"
     both_ways = study.repeats and not form.is_flat and all(form.rises)
     if both_ways or (elastic and study.boundary == "line" and form.rises[1]):
@@ -126,6 +126,9 @@ def _boundary(study: Content) -> None:
             f"contact.boundary = '{study.boundary}' would repeat the counter-body beside itself: allowed are "
             "'free', a flat, counter.radius = 'inf mm', and of 'line' a cylinder"
         )
+    if "flow" in study.output.joint and study.boundary != "periodic":
+        what = f"contact.boundary = 'periodic', not '{study.boundary}': the gap must repeat"
+        raise ValueError(f"output.joint = flow needs {what}")
 
 
 def _shape(study: Content) -> None:

@@ -160,25 +160,29 @@ class ArrayContact:
         )
 
     def flow_factors(self) -> FlowFactors:
-        """Find what flows through the gap, of a contact whose surface repeats.
+        """Return what flows through the gap, of a contact whose surface repeats, computed once.
 
         A warning tells where the gap has waves of fewer than four cells.
 
         Returns
         -------
         FlowFactors
-            Along both axes, each call anew.
+            Along both axes.
 
         Raises
         ------
         InputError
             For a contact on a free half-space, of a line, and under a counter-body.
         """
+        return self._flow_factors
+
+    @cached_property
+    def _flow_factors(self) -> FlowFactors:
         factors: FlowFactors = flow.flow_factors(self)
         return factors
 
     def leakage(self, pressure_drop: float, *, viscosity: float, length: float, axis: int = 0) -> float:
-        """Return what leaks through a strip of the contact, whose flow factors are found anew.
+        """Return what leaks through a strip of the contact, by its flow factors.
 
         Parameters
         ----------

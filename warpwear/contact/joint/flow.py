@@ -45,7 +45,7 @@ def flow_factors(contact: ArrayContact) -> FlowFactors:
             "must repeat."
         )
     needs = FACTORS * gap.size * np.log2(gap.size + 1.0)
-    claim("flow_factors", f"a gap of shape {gap.shape}", dict.fromkeys(free_memory("cpu"), needs))
+    claim("flow_factors", f"gaps of shape {gap.shape}", dict.fromkeys(free_memory("cpu"), needs))
     if short_slope(gap) > SHORT_SLOPE:
         warnings.warn(
             f"the gap has waves of fewer than {FEWEST_CELLS} cells; what flows through it is that of the "
@@ -56,11 +56,15 @@ def flow_factors(contact: ArrayContact) -> FlowFactors:
 
 
 def short_slope(gap: FloatArray) -> float:
-    """Return the share of the mean square slope that lies in waves too short for the cells."""
-    along, across = np.fft.fftfreq(gap.shape[0]), np.fft.rfftfreq(gap.shape[1])
-    square = along[:, np.newaxis] ** 2 + across**2
-    slopes = square * np.abs(np.fft.rfft2(gap)) ** 2
-    return float(slopes[square > FEWEST_CELLS**-2].sum() / (slopes.sum() or 1.0))
+    """Return the share of the mean square slope in waves too short for the cells; a seam is no slope."""
+    short, total = 0.0, 0.0
+    for axis in (axis for axis in (0, 1) if gap.shape[axis] > 1):
+        slope = np.diff(gap, axis=axis)
+        square = np.fft.fftfreq(slope.shape[0])[:, np.newaxis] ** 2 + np.fft.rfftfreq(slope.shape[1]) ** 2
+        power = np.abs(np.fft.rfft2(slope - slope.mean())) ** 2
+        short += float(power[square > FEWEST_CELLS**-2].sum())
+        total += float(power.sum())
+    return short / (total or 1.0)
 
 
 def through(gap: FloatArray) -> tuple[float, float, float, tuple[bool, bool]]:

@@ -172,10 +172,10 @@ class Output(Section):
         "auto: the surface, and 20 from a cell to half the domain's shorter side",
         demands=STRESSED,
     )
-    joint: tuple[Literal["conductance", "stiffness"], ...] = key(
+    joint: tuple[Literal["conductance", "stiffness", "flow", "flash"], ...] = key(
         (),
         "half-space: what the contact of each snapshot, solved anew, conducts (a length, times the bodies' "
-        "conductivity) and how stiff it is",
+        "conductivity), how stiff it is and what flows through its gap; flash: how hot that of the step gets",
         demands=STRESSED,
     )
     stress_plane: Literal["y = 0", "x = 0"] = key(
