@@ -1,8 +1,10 @@
 """Compiled kernels are kept by Warp; damaged ones are compiled anew."""
 
 import errno
+import time
 from collections.abc import Callable
 from pathlib import Path
+from threading import Barrier, Thread
 from typing import Any
 
 import pytest
@@ -14,7 +16,7 @@ from warpwear.engine import kernel_cache
 from warpwear.engine.device import find_device
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
-from warpwear.kernels import balance, contact
+from warpwear.kernels import balance, contact, native_code
 
 
 @pytest.fixture
@@ -62,3 +64,25 @@ def test_kernels_of_a_run_are_compiled_as_one_file(module: Any) -> None:
         assert gap.module not in (contact.gap.module, balance.check_list.module)
         executor.foresee([contact.gap, balance.check_list], together=True)  # by a model that is made later
         assert executor.load(contact.gap) is gap
+
+
+def test_threads_share_the_copies_of_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Copies made twice would change a module below the launches of another thread."""
+    made = native_code.options
+    monkeypatch.setattr(native_code, "options", lambda *headers: (time.sleep(0.05), made(*headers))[1])
+    kernels, barrier, copies = (contact.gap, balance.check_list), Barrier(4), list[list[Any]]()
+
+    def foresee() -> None:
+        with Executor(Grid(8, 8, 1.0), threads=1) as executor:
+            barrier.wait()
+            executor.foresee(kernels, together=True)
+            copies.append([executor.load(kernel) for kernel in kernels])
+
+    native_code.together.cache_clear()
+    threads = [Thread(target=foresee) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(copies) == 4
+    assert all(one is other for each in copies[1:] for one, other in zip(copies[0], each, strict=True))

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Lock
 from typing import Any
 
 import psutil
@@ -10,6 +11,9 @@ import warp as wp
 
 from warpwear.errors import InputError
 from warpwear.grid import Grid
+
+#: Held while Warp starts, by a thread of a user's perhaps: it would start once more in another.
+STARTING = Lock()
 
 
 @contextmanager
@@ -34,7 +38,7 @@ def find_device(name: str) -> Any:
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
         wp.config.log_level = wp.LOG_ERROR
     try:
-        with _native_messages_hidden():
+        with STARTING, _native_messages_hidden():
             wp.init()
     except (RuntimeError, OSError) as error:  # its library cannot be loaded, for want of memory, say
         raise InputError(f"device = {name!r} cannot be used, as Warp does not start: {error}.") from error

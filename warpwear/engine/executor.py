@@ -123,7 +123,8 @@ class Executor:
         together: whether these are all that a run launches of their files; they are compiled as one.
         """
         if together and self.device.is_cpu:
-            self._copies |= native_code.together(tuple(kernels))
+            with GATE:  # another thread's copies of the same would change the module below its launches
+                self._copies |= native_code.together(tuple(kernels))
         modules = dict.fromkeys(self._copies.get(kernel, kernel).module for kernel in kernels)
         new = [module for module in modules if module not in self._loaded | self._foreseen.keys()]
         if not self.device.is_cpu or not new:

@@ -5,12 +5,16 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
+from threading import RLock
 from typing import Any
 
 import warp as wp
 
 from warpwear.clock import phase
 from warpwear.errors import explained
+
+#: Held while the kernels of a module are looked for and loaded: two threads may want the same ones.
+_LOADING: dict[Any, RLock] = {}
 
 
 def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Callable[[], None]:
@@ -20,7 +24,8 @@ def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Cal
     """
     # Compiled in advance, as Warp would, its headers take longer than twice with the kernels of two files.
     wp.config.use_precompiled_headers = device.is_cuda
-    is_compiled = _folder(module, device).is_dir()
+    with _LOADING.setdefault(module, RLock()):
+        is_compiled = _folder(module, device).is_dir()
     load = pool.submit(_load, module, device).result if pool else partial(_load, module, device)
 
     def finish() -> None:
@@ -32,6 +37,12 @@ def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Cal
 
 def _load(module: Any, device: Any) -> None:
     """Load a module; compile it where Warp cannot load it. Raises InputError where it cannot be kept."""
+    with _LOADING[module]:
+        _load_alone(module, device)
+
+
+def _load_alone(module: Any, device: Any) -> None:
+    """Load a module that no other thread loads."""
     try:
         wp.load_module(module, device=device)
     except Exception as error:  # Warp raises whatever a damaged file makes of it
