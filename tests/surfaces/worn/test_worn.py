@@ -186,8 +186,8 @@ def test_a_radius_that_cannot_be_told_is_refused():
 @pytest.mark.parametrize(
     ("flat", "count"),
     [
-        (0.0008, 4),
-        pytest.param(0.0008, 8, marks=pytest.mark.slow),
+        (0.0006, 4),
+        pytest.param(0.0006, 8, marks=pytest.mark.slow),
         pytest.param(0.001, 8, marks=pytest.mark.slow),
     ],
 )
