@@ -7,10 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpwear import lazy
 from warpwear.grid import FloatArray
-
-spatial = lazy.module("scipy.spatial")
 
 SLACK = 0.2  # pixels that a point may lie off its grid, where its printed digits do not allow more
 MOST_DIGITS = 12  # of printed places
@@ -61,7 +58,7 @@ def gridded(points: FloatArray) -> Cloud:
     if nx < 2 or ny < 2:
         raise ValueError("holds a line scan")
     if x.size < LEAST_FILLED * nx * ny:
-        raise ValueError(_scattered(x, y))
+        raise ValueError("scattered points, or a turned grid")
     cell = column * ny + row
     heights = np.full(nx * ny, np.nan)
     heights[cell] = z
@@ -122,7 +119,7 @@ def _units_of_axes(line: str) -> list[tuple[str, str]]:
         return [("", match[1])]
     words = re.findall(rf"[\[(] *({UNIT}) *[\])]", line)
     if len(words) != 2:
-        words = [named[1] for field in re.split("[,;\t]", line) if (named := LAST_WORD.fullmatch(field))]
+        words = [last[1] for field in re.split("[,;\t]", line) if (last := LAST_WORD.fullmatch(field))]
     if len(words) == 2:  # two columns of other names
         return list(zip("xz", words, strict=True))
     # perhaps a line of units alone, under the names of the columns
@@ -172,16 +169,3 @@ def _last_digit(places: FloatArray) -> float:
         if np.allclose(places / digit, np.rint(places / digit), rtol=1e-12, atol=1e-6):
             return digit
     return 0.0
-
-
-def _scattered(x: FloatArray, y: FloatArray) -> str:
-    """Say what points of no grid are: turned by an angle, told from neighbours of some, or scattered."""
-    points = np.column_stack([x, y])
-    near = spatial.cKDTree(points).query(points[:: max(1, len(points) // 500)], k=2)[1]
-    step = points[near[:, 1]] - points[near[:, 0]]
-    # fourfold, so that the four directions of a grid count as one
-    mean = np.exp(4j * np.arctan2(step[:, 1], step[:, 0])).mean()
-    angle = np.angle(mean) / 4.0
-    if abs(mean) > 0.95 and abs(np.degrees(angle)) > 0.05:
-        return f"points of a grid turned by {np.degrees(angle):.3g}° from the axes"
-    return "scattered points, of no regular grid"

@@ -116,8 +116,8 @@ def read(
     heights = values * factor
     doubts = _overrides(raw, unit=height_unit, pixel=None if pair is None else pair[:axes])
     known = values[~np.isnan(values)]
-    ends = at_ends(known) if np.ptp(known) > 0.0 else []
-    for end in ends if np.unique(known).size > STEPS else []:
+    ends = at_ends(known)
+    for end in ends if ends and np.unique(known).size > STEPS else []:
         which = "lowest" if end == known.min() else "highest"
         held = f"{100.0 * np.mean(known == end):.2g} % of the points hold exactly the {which} height"
         doubts += (f"{held}, {end:g} {unit}: the end of the instrument's range, or lost points?",)
