@@ -188,11 +188,13 @@ def _read_text(source: SurfaceFile, *, otherwise: InputError | None = None) -> R
     notes = () if table.ended else (CUT,)
     lateral, height = units_in(table.header)
     names = table.names()
+    if np.isnan(values[:, 2:]).all():  # separators may end rows twice
+        values = values[:, :2]
     if names and source.array is not None:
         return _column(source, table, values, names)
-    if table.width == 1:
+    if values.shape[1] == 1:
         return Raw(values[:, 0], "text of one column", None, lateral, height, notes)
-    if table.width == 2:
+    if values.shape[1] == 2:
         try:
             heights, step = spaced(values)
         except ValueError as error:

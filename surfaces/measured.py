@@ -116,7 +116,7 @@ class Measured:
         Further notices are of overridden units, many missing points or outliers, and an rms slope that
         depends on the shortest wavelength.
         """
-        notices = list(self.details.get("overrides", []))
+        notices = list(self.details.get("doubts", []))
         if self.is_profile:
             notices.append("disc.surface is a profile: the disc is taken alike across sliding, as by a lay")
         reach = _reach(x, y)
@@ -275,7 +275,7 @@ def read_measured(
         "sliding_axis": preparation.sliding_axis,
         "level": preparation.level,
         **record,
-        "overrides": list(reading.overrides),
+        "doubts": list(reading.doubts),
     }
     if preparation.s_filter is not None:
         details["s_filter_um"] = preparation.s_filter * 1e3

@@ -16,6 +16,8 @@ ndimage = lazy.module("scipy.ndimage")
 REPEATED = 3  # times that a mark of lost points stands in a file, at least
 MARKED = 3.0  # times the range of the others by which a mark is away from them
 STEPS = 20  # different values that others have, at least
+AT_END, FEWEST_AT_END = 0.01, 5  # part of the values, and how many, that make the end of a sensor's range
+TIMES_NEXT = 3.0  # times that they are as many as those at the next value
 WINDOW = 5  # pixels of the local median: outvotes spikes of up to 12 pixels
 HALF = WINDOW // 2  # pixels from the rim to the nearest middle of a window that fits
 ROUNDS = 12  # bounded, as walls of what is wider than the window would be eaten from their corners
@@ -42,6 +44,17 @@ def marks_of_loss(values: FloatArray) -> list[float]:
         if np.abs(others - end).min() > MARKED * np.ptp(others) and np.unique(others).size > STEPS:
             return [end, *marks_of_loss(others)]
     return []
+
+
+def at_ends(values: FloatArray) -> list[float]:
+    """Return the least and the largest of values, shape (n,), if so many are equal to it that more may be."""
+    ends = []
+    for end, next_to in ((values.min(), np.min), (values.max(), np.max)) if values.size else ():
+        count = np.count_nonzero(values == end)
+        if max(FEWEST_AT_END, AT_END * values.size) <= count < values.size:
+            others = values[values != end]
+            ends += [float(end)] * bool(count >= TIMES_NEXT * np.count_nonzero(others == next_to(others)))
+    return ends
 
 
 @dataclass(frozen=True, eq=False)

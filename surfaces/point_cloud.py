@@ -1,17 +1,17 @@
 """Lists of points x y z: the grid on which they lie, and the units that their header states."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from warpwear import lazy
 from warpwear.grid import FloatArray
 
-spatial = lazy.module("scipy.spatial")
-
-SLACK = 0.2  # pixels that a point may lie off its grid: the rounding of printed coordinates
+SLACK = 0.2  # pixels that a point may lie off its grid, where its printed digits do not allow more
+MOST_DIGITS = 12  # of printed places
+ROUNDED = 0.6  # of the last digit: half by rounding, the rest by the line fitted to the places
 LEAST_FILLED = 0.25  # of the grid; scattered points and turned grids fill next to nothing
 UNIT = (
     r"(?:mm|cm|km|nm|pm|[uµμ]m|m|Å|micrometers?|micrometres?|microns?|millimeters?|millimetres?"
@@ -24,6 +24,8 @@ AXIS_UNIT = re.compile(
     rf"[ ]*[:=]?[ ]*[\[(/]?[ ]*(?:in[ ]+)?({UNIT})\b",
     re.I,
 )
+#: A unit as the last word of a column's name.
+LAST_WORD = re.compile(rf"\D+ ({UNIT})", re.I)
 HEIGHT_UNIT = re.compile(rf"\b(?:z|height)[ _-]*units?\b[ ]*[:=]?[ ]*({UNIT})\b", re.I)
 ANY_UNIT = re.compile(rf"\b(?:units?|einheit)\b[ ]*[:=]?[ ]*[\[(]?[ ]*({UNIT})\b", re.I)
 
@@ -49,12 +51,14 @@ def gridded(points: FloatArray) -> Cloud:
     x, y, z = x[placed], y[placed], z[placed]
     if x.size < 4:
         raise ValueError("fewer than four points")
-    column, nx, px = _axis(x, "x")
-    row, ny, py = _axis(y, "y")
+    try:
+        (column, nx, px), (row, ny, py) = _axis(x, "x"), _axis(y, "y")
+    except ValueError as error:
+        raise ValueError(f"{error}, or a turned grid") from error
     if nx < 2 or ny < 2:
         raise ValueError("holds a line scan")
     if x.size < LEAST_FILLED * nx * ny:
-        raise ValueError(_scattered(x, y))
+        raise ValueError("scattered points, or a turned grid")
     cell = column * ny + row
     heights = np.full(nx * ny, np.nan)
     heights[cell] = z
@@ -113,7 +117,10 @@ def _units_of_axes(line: str) -> list[tuple[str, str]]:
         return [("z", match[1])]
     if match := ANY_UNIT.search(line):
         return [("", match[1])]
-    if len(words := re.findall(rf"[\[(] *({UNIT}) *[\])]", line)) == 2:  # two columns of other names
+    words = re.findall(rf"[\[(] *({UNIT}) *[\])]", line)
+    if len(words) != 2:
+        words = [last[1] for field in re.split("[,;\t]", line) if (last := LAST_WORD.fullmatch(field))]
+    if len(words) == 2:  # two columns of other names
         return list(zip("xz", words, strict=True))
     # perhaps a line of units alone, under the names of the columns
     words = re.findall(rf"(?<![\w])({UNIT})(?![\w])", line)
@@ -142,26 +149,23 @@ def _axis(places: FloatArray, name: str) -> tuple[np.ndarray, int, float]:
     steps = np.where(real, np.rint(gaps / spacing), 0.0)
     index = np.concatenate([[0.0], np.cumsum(steps)])
     if index[-1] < 1.0 or index[-1] >= 1.0 / LEAST_FILLED * max(places.size, 4):
-        raise ValueError(f"points along {name} that are not evenly spaced, or a turned grid")
+        raise ValueError(f"points along {name} that are not evenly spaced")
     middle, far = index.mean(), index - index.mean()
     slope = (far * sorted_places).sum() / np.square(far).sum()
     offset = sorted_places.mean() - slope * middle
     off = np.abs(sorted_places - (slope * index + offset)) / slope
     if off.max() > SLACK or np.any(real & (steps == 0.0)):
-        if sorted_places.size > 0.2 * places.size:
-            raise ValueError("points of a turned grid, or scattered ones")
-        raise ValueError(f"points along {name} that are not evenly spaced")
+        index = np.arange(sorted_places.size)
+        slope, offset = np.polyfit(index, sorted_places, 1)
+        if np.abs(sorted_places - slope * index - offset).max() > ROUNDED * _last_digit(sorted_places):
+            raise ValueError(f"points along {name} that are not evenly spaced")
     return index.astype(np.int64)[inverse.reshape(-1)], int(index[-1]) + 1, float(slope)
 
 
-def _scattered(x: FloatArray, y: FloatArray) -> str:
-    """Say what points of no grid are: turned by an angle, told from neighbours of some, or scattered."""
-    points = np.column_stack([x, y])
-    near = spatial.cKDTree(points).query(points[:: max(1, len(points) // 500)], k=2)[1]
-    step = points[near[:, 1]] - points[near[:, 0]]
-    # fourfold, so that the four directions of a grid count as one
-    mean = np.exp(4j * np.arctan2(step[:, 1], step[:, 0])).mean()
-    angle = np.angle(mean) / 4.0
-    if abs(mean) > 0.95 and abs(np.degrees(angle)) > 0.05:
-        return f"points of a grid turned by {np.degrees(angle):.3g}° from the axes"
-    return "scattered points, of no regular grid"
+def _last_digit(places: FloatArray) -> float:
+    """Return the value of the last digit that places were printed with, 0 for more than twelve digits."""
+    first = math.ceil(math.log10(float(np.abs(places).max())))
+    for digit in (10.0**power for power in range(first, first - MOST_DIGITS, -1)):
+        if np.allclose(places / digit, np.rint(places / digit), rtol=1e-12, atol=1e-6):
+            return digit
+    return 0.0

@@ -15,7 +15,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.outliers import marks_of_loss
+from warpwear.surfaces.outliers import STEPS, at_ends, marks_of_loss
 
 if TYPE_CHECKING:
     from warpwear.surfaces.formats import Raw
@@ -51,7 +51,7 @@ class Reading:
     pixel_given: bool
     unit_given: bool
     notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
-    overrides: tuple[str, ...] = ()  # where the study contradicts the file, in sentences
+    doubts: tuple[str, ...] = ()  # where the study contradicts the file, or heights end, in sentences
     digest: str = ""  # SHA-256 of the file, as `digest_of` gives it
 
 
@@ -114,7 +114,13 @@ def read(
         why = "which repeats far outside of all others: taken as a mark of lost points"
         notes.append(f"{int(lost.sum())} points hold {mark:g} {unit}, {why}")
     heights = values * factor
-    overrides = _overrides(raw, unit=height_unit, pixel=None if pair is None else pair[:axes])
+    doubts = _overrides(raw, unit=height_unit, pixel=None if pair is None else pair[:axes])
+    known = values[~np.isnan(values)]
+    ends = at_ends(known)
+    for end in ends if ends and np.unique(known).size > STEPS else []:
+        which = "lowest" if end == known.min() else "highest"
+        held = f"{100.0 * np.mean(known == end):.2g} % of the points hold exactly the {which} height"
+        doubts += (f"{held}, {end:g} {unit}: the end of the instrument's range, or lost points?",)
     if float(np.nanmax(np.abs(heights))) > FARTHEST:
         raise InputError(
             f"disc.surface '{path}' has heights beyond {FARTHEST:g} mm (unit {unit}), which is no topography"
@@ -127,7 +133,7 @@ def read(
         pixel_given=pixel is not None,
         unit_given=height_unit is not None,
         notes=tuple(notes),
-        overrides=overrides,
+        doubts=doubts,
         digest=digest,
     )
 

@@ -221,8 +221,12 @@ class Off:
     points: list  # by which lengths are off; empty for a scar without an outline of its own
 
 
-def lose(rng, heights, *, scattered, clumped, width):
-    """Return heights with parts of their points lost (NaN): any, and in clumps of about a width [points]."""
+def lose(rng, heights, *, scattered=0.0, clumped=0.0, width=1.0, pits=0.0):
+    """Return heights with parts of their points lost: any, in clumps of about a width [points], or pits."""
+    if pits:
+        low = ndimage.gaussian_filter(heights, 8.0) - heights
+        low += 0.3 * low.std() * rng.normal(size=low.shape)
+        return np.where(low > np.quantile(low, 1.0 - pits), np.nan, heights)
     rough = ndimage.gaussian_filter(rng.normal(size=heights.shape), width, mode="wrap")
     clumps = rough > np.quantile(rough, 1.0 - clumped) if clumped else False
     return np.where((rng.random(heights.shape) < scattered) | clumps, np.nan, heights)

@@ -88,7 +88,7 @@ def profile_in(
         "format": content.format,
         "sha256": content.digest,
         "unit": content.unit,
-        "notes": [*content.notes, *content.overrides, *(["heights turned over"] if down else [])],
+        "notes": [*content.notes, *content.doubts, *(["heights turned over"] if down else [])],
     }
     return checked(Profile(content.pixel[0], -content.heights if down else content.heights, about))
 

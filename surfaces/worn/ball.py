@@ -22,7 +22,7 @@ FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for out
 CORNERS = 1.0 - math.pi / 4.0  # of what is measured, the outermost, as a field's corners: a second start
 LEAST_UNWORN = 0.1  # of the field
 LEAST_FOR_RADIUS = 0.25  # of the field, where the radius is to be fitted too
-LEAST_ERRORS = 4.5  # of the volume: the deepest of a hundred thousand places of chance holds 4.4
+LEAST_ERRORS = 3.75  # of the volume: the deepest patch of an unworn ball has more in 2 or 3 of 100
 AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts may differ
 ROUNDS = 30  # in which the patch is found
 SMOOTHED = 5  # pixels along each side of the mean in which the deeper part is looked for
@@ -78,8 +78,8 @@ def find_worn_ball(
     is the largest connected piece below, grown to where its surroundings no longer lie lower on average. A
     fitted radius must give the same volume from a start in the corners of the field alone (where they lack:
     the outermost fifth of what was measured), and the patch must be deeper in its middle: where little is
-    unworn, its flat may pass for the sphere. The patch was chosen as the deepest: it must have lost four
-    and a half standard errors. Raises InputError where no sphere fits, nothing is worn, or too little is
+    unworn, its flat may pass for the sphere. The patch was chosen as the deepest: it must have lost 3.75
+    standard errors. Raises InputError where no sphere fits, nothing is worn, or too little is
     unworn to tell the radius.
     """
     check_points(heights.shape)

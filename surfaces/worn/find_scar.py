@@ -102,9 +102,11 @@ def find_scar(
     # worn asperities that stand alone may be noise, or be part of it
     alone = float((reach.patch & ~main).sum()) / math.sqrt(3.0)
     wider["area"], wider["area_error"] = points[0] * pixel_area, math.hypot(points[1], alone) * pixel_area
-    scar = replace(scar, **wider)
+    stands_out, scar = scar.volume > LEAST_ERRORS * scar.volume_error, replace(scar, **wider)
     if not scar.volume > LEAST_ERRORS * scar.volume_error:
-        raise InputError(f"no scar was found: {scar.volume:.3g} ± {scar.volume_error:.2g} mm³ are lost")
+        lacks = f"{(~measured[patch]).mean():.0%} of the scar's points are missing, which leaves open "
+        what = f"{lacks}what it lost" if stands_out else "no scar was found"
+        raise InputError(f"{what}: {scar.volume:.3g} ± {scar.volume_error:.2g} mm³")
     along, across, errors = _lengths(reach, lost, unworn, measured, pixel=pixel)
     blurred = [math.hypot(*pair) for pair in zip(scar.length_errors, errors, strict=True)]
     return replace(scar, along=along, across=across, length_errors=(blurred[0], blurred[1]))
@@ -141,20 +143,25 @@ def _filling_errors(lost: FloatArray, scar: Patch) -> FloatArray:
     """Return standard errors [mm] that filled points give, shape (3,): of sums over patch, rim and both.
 
     lost: depth below the form [mm], shape (nx, ny), NaN where missing. The holes are laid over known points
-    next to them, which are filled in the same way and compared.
+    elsewhere, which are filled in the same way and compared. An instrument loses points where they are deep
+    or steep, as no others are: the points next to a hole are most like them, so these are filled, too. What
+    they are off by on average the points in the hole are, times their distance from what is known.
     """
-    holes, patch = np.isnan(lost), scar.patch
-    parts = (patch, scar.rim, patch | scar.rim)
-    errors: list[list[float]] = [[0.0] for _ in parts]
-    for shift in range(1, 1 + FILLINGS) if (holes & (patch | scar.rim)).any() else ():
-        moved = np.roll(holes, [round(shift * n / (FILLINGS + 1)) for n in lost.shape], axis=(0, 1))
-        guess = filled(np.where(moved, np.nan, lost))
-        for part, of_part in zip(parts, errors, strict=True):
-            tried = moved & ~holes & part
-            if tried.any():
-                off = float((guess - lost)[tried].sum())
-                of_part.append(off * int((holes & part).sum()) / int(tried.sum()))
-    return np.array([math.sqrt(sum(e * e for e in of) / max(len(of) - 1, 1)) for of in errors])
+    holes, parts = np.isnan(lost), (scar.patch, scar.rim, scar.patch | scar.rim)
+    if not (holes & parts[2]).any():
+        return np.zeros(3)
+
+    def off(hidden: BoolArray) -> list[float]:
+        guess = filled(np.where(hidden, np.nan, lost)) - lost
+        tried = [guess[hidden & ~holes & part] for part in parts]
+        each = zip(tried, parts, strict=True)
+        return [float(t.mean()) * int((holes & p).sum()) if t.size else math.nan for t, p in each]
+
+    shifts = [[round(k * n / (FILLINGS + 1)) for n in lost.shape] for k in range(1, 1 + FILLINGS)]
+    elsewhere = np.ma.masked_invalid([off(np.roll(holes, shift, axis=(0, 1))) for shift in shifts])
+    beside = np.nan_to_num(off(ndimage.binary_dilation(holes, np.ones((3, 3)))))
+    beside *= float(ndimage.distance_transform_edt(holes)[holes & parts[2]].mean())
+    return np.sqrt(np.square(elsewhere).mean(axis=0).filled(0.0) + np.square(beside))
 
 
 def _main(patch: BoolArray, lost: FloatArray) -> BoolArray:

@@ -191,7 +191,7 @@ def test_semicolons_on_some_lines_are_no_doubt(save):
     assert np.array_equal(read(save(text), **GIVEN).heights, 1e-3 * Z)
 
 
-def test_the_angle_of_a_turned_grid_is_named():
+def test_a_turned_grid_is_named():
     with pytest.raises(ValueError, match=r"turned"):
         gridded(turned(7.0))
 

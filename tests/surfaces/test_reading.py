@@ -298,3 +298,17 @@ def test_a_format_is_added_in_one_place(tmp_path, monkeypatch):
     monkeypatch.setattr(formats, "FORMATS", (entry, *formats.FORMATS))
     (tmp_path / "disc.dat").write_bytes(b"TEST and more")
     assert read(tmp_path / "disc.dat").format == "test"
+
+
+def test_many_points_at_an_end_of_the_range_are_told(save):
+    """A third at the two extremes had no word; rounded heights have as many there as roughness has."""
+    heights = np.random.default_rng(1).normal(size=(120, 120))
+    for end, which in ((0.8, "highest"), (-0.8, "lowest")):
+        cut = np.minimum(heights, end) if end > 0.0 else np.maximum(heights, end)
+        reading = read(save(cut), pixel=0.001, height_unit="um")
+        assert f"% of the points hold exactly the {which} height, {end:g} um" in reading.doubts[0]
+    clipped = save(np.clip(heights, -1.0, 1.0))
+    notices = read_measured(clipped, pixel=0.001, height_unit="um").notices(*2 * [0.001 * np.arange(9)])
+    assert sum("end of the instrument's range" in text for text in notices) == 2
+    for honest in (heights, np.round(heights, 1), np.where(heights > 0.0, 1.0, 0.0), 0.0 * heights):
+        assert not read(save(honest), pixel=0.001, height_unit="um").doubts

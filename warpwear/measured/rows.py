@@ -14,6 +14,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.columns import OTHER_RATIO, Column, choose, further, other_coefficients
 from warpwear.measured.record import Record, read_record
 from warpwear.study.units import several
+from warpwear.surfaces.outliers import TIMES_NEXT, at_ends
 
 Indices: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 Mask: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"
@@ -21,10 +22,8 @@ Mask: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"
 Paths: TypeAlias = str | Path | Sequence[str | Path]
 #: Roles that go on where a machine begins to count anew at a step.
 COUNTED = ("time", "distance", "laps", "cycle")
-#: Part of the largest normal force below which there is no load, and rows that make a sensor's end or offset.
+#: Part of the largest normal force below which there is no load, and rows that make a sensor's offset.
 UNLOADED, FEW_ROWS = 0.02, 5
-#: Part of the rows at the largest or least value, and how often that beside it: the end of a sensor's range.
-AT_END, TIMES_NEXT = 0.01, 3.0
 #: Part of the rows between these values that may repeat the row before: more is what a sensor resolves.
 COARSE = 0.1
 #: Part of the rows at one value that is told, of so many rows or more.
@@ -213,8 +212,7 @@ def _sensors(rows: RecordRows) -> Iterator[str]:
         inside = (values[1:] > levels[:1]) & (values[1:] < levels[-1:])
         fine = inside.any() and np.mean(np.diff(values)[inside] == 0.0) < COARSE
         beside = np.maximum(np.append(0, counts[:-1]), np.append(counts[1:], 0))
-        rim = np.isin(np.arange(levels.size), (0, levels.size - 1))
-        ends = rim & fine & (counts >= max(FEW_ROWS, AT_END * values.size))
+        ends = np.isin(levels, at_ends(values)) & fine
         often = (counts > ONE_VALUE * values.size) & (values.size >= FEWEST) & (role != "normal force")
         for at in np.flatnonzero((counts >= TIMES_NEXT * beside) & (ends | often) & (levels != 0.0)):
             which = {0: "its least", levels.size - 1: "its largest"}.get(int(at), "one")

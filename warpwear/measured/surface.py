@@ -293,7 +293,7 @@ def read_worn(
         return replace(worn, text=with_options("\n".join(text)), rows=rows, draw=draw)
     own, done = worn.source.record(), f"polynomial of degree {degree} through the surface beside the {kind} "
     done += "taken off"
-    rows = [Row("", "surface", own)]
+    rows = [Row("", "surface", own), Row("warning", "", own["doubts"] or None)]
     if worn.changed is not None:
         done = f"{before} laid over it and taken off, {done}"
         rows.append(Row("before", "before", surface_report.before_rows(worn.changed, file=str(before))))

