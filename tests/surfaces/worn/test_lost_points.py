@@ -128,9 +128,8 @@ def test_coverage_where_points_are_lost():
     for name in ("worn", "piled up", "net", "area"):
         off = np.abs([found.off[name] for found in known if name in found.off])
         print(name, [round(float(np.mean(off < errors)), 3) for errors in (1.0, 2.0)])
-        assert np.mean(off < 1.0) >= 0.58, (
-            name
-        )  # volumes' are wide: they hold where what is deep is lost, too
+        # Errors of volumes are wide here: they hold where what is deep is lost, too.
+        assert 0.58 <= np.mean(off < 1.0) <= (0.78 if name == "area" else 1.0), name
         assert np.mean(off < 2.0) >= 0.9, name
     assert np.median([found.relative["area"] for found in known if "area" in found.relative]) < 0.012
     off = np.abs(np.concatenate([found.off["lengths"] for found in known if "lengths" in found.off]))
