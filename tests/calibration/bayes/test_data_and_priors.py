@@ -47,6 +47,20 @@ def test_a_course_is_thinned_by_means() -> None:
     np.testing.assert_allclose(course.cof, 0.3 + 1e-4 * course.distance)
 
 
+def test_a_record_of_times_is_read_by_the_frequency_of_its_study(tmp_path: Path) -> None:
+    """A study says how fast it slides by a speed, or by a frequency of its strokes."""
+    path = tmp_path / "times.csv"
+    rows = "".join(f"{t},{0.3 + 1e-4 * t}\n" for t in range(400))
+    path.write_text("Time [s],COF\n" + rows)
+    study = Study.load("track").replace({"sliding.stroke": "30 mm", "sliding.distance": "2400 mm"})
+    spoken = (
+        study.replace({"sliding.speed": "6 mm/s"}),
+        study.replace({"sliding.speed": None, "sliding.frequency": "0.1 Hz"}),
+    )
+    one, other = (data_of(each, [{"record": path}]).courses[0] for each in spoken)
+    np.testing.assert_allclose(one.distance, other.distance)
+
+
 def test_priors_have_their_quantiles() -> None:
     """z of an unknown is standard normal before the data, and `normal` is its inverse."""
     asked = {

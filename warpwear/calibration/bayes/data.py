@@ -209,8 +209,10 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
     if not isinstance(experiment, Experiment):
         sliding, load, rows = study.sliding, study.contact.load, read_rows(experiment, columns)
         _check_load(rows, load)
-        how = Motion(stroke=sliding.stroke, load=load, run_speed=sliding.speed, radius=sliding.track_radius)
-        experiment = experiment_of(rows, how)
+        motion = Motion(
+            stroke=sliding.stroke, load=load, run_speed=sliding.mean_speed, radius=sliding.track_radius
+        )
+        experiment = experiment_of(rows, motion)
     name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
     check_cof(name, distance, cof)
     inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))
