@@ -159,7 +159,7 @@ def estimate(
     there = len(runs) - len(missing)
     to_do, already = len(plan.points) - there, f", {there} of them there already" if there else ""
     return (
-        f"{len(plan.points)} runs{already}: about {lasting(to_do * seconds / max(1, workers))} on "
+        f"{counted(len(plan.points), 'run')}{already}: about {lasting(to_do * seconds / max(1, workers))} on "
         f"{counted(workers, 'worker')} ({lasting(seconds)} a run) and {to_do * size / 2**20:.3g} MiB"
     )
 

@@ -176,6 +176,7 @@ def loop(**options: Any) -> None:
     help="Runs of the design. [default: 8 an unknown, 16 at least; double on made-up surfaces]",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Of all draws.")
+@click.option("--dry-run", is_flag=True, help="Say from the first run what all will cost, and stop.")
 @DEVICE
 @AS_JSON
 def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:

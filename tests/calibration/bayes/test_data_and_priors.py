@@ -1,12 +1,14 @@
 """What data and priors are made into: repeats, thinned courses, quantiles."""
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from cases_inference import course_like, posterior_of, smooth_study
+from click.testing import CliRunner
 
 from warpwear import InputError, Study
 from warpwear.batches.batch import LOG
@@ -14,6 +16,7 @@ from warpwear.calibration.bayes.command import telling
 from warpwear.calibration.bayes.data import Data, MeasuredValue, data_of
 from warpwear.calibration.bayes.infer import check_priors
 from warpwear.calibration.bayes.unknowns import unknowns_of
+from warpwear.cli.main import commands
 from warpwear.measured.experiment import Experiment
 
 
@@ -134,3 +137,16 @@ def test_a_coefficient_without_a_unit_has_a_prior_about_its_k() -> None:
     (unknown,) = unknowns_of(study, {"wear.counter": None})
     middle = float(unknown.values(np.zeros(1))[0])
     assert middle == pytest.approx(1e3 * 9.4e-4 / 590.0)
+
+
+@pytest.mark.parametrize(
+    ("unknown", "many"), [("wear.disc", "1 run"), ("contact.load=normal 8 +- 0.5 N", "16 runs")]
+)
+def test_a_dry_run_says_what_an_inference_costs(unknown: str, many: str, tmp_path: Path) -> None:
+    """Nothing is written, and no more than the first run is made."""
+    coarse = ["--set", "stepping.scheme=implicit", "--set", "grid.cell=100 um"]
+    measured = ["--unknown", unknown, "--volume-disc", "0.0244 +- 0.002 mm^3", "--out", str(tmp_path / "out")]
+    done = CliRunner().invoke(commands, ["calibrate", "bayes", "v1", *coarse, *measured, "--dry-run"])
+    assert done.exit_code == 0, done.exception
+    assert re.match(rf"{many}: about [\d.]+ (s|min) on \d workers?", done.output), done.output
+    assert not list(tmp_path.iterdir())

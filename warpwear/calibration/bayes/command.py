@@ -10,8 +10,10 @@ import click
 
 from warpwear.batches.batch import LOG
 from warpwear.calibration.bayes.data import data_of
-from warpwear.calibration.bayes.infer import infer
+from warpwear.calibration.bayes.infer import ROUGHNESS, infer
 from warpwear.calibration.bayes.report import CALIBRATED, FITTED, content_of
+from warpwear.calibration.bayes.runs import cost_of
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.calibration.measurements import in_file
 from warpwear.errors import InputError
 from warpwear.results.report import to_json
@@ -44,6 +46,7 @@ def calibrate_bayes(
     target: str | None,
     candidates: Sequence[str],
     out: Path | None,
+    dry_run: bool = False,
     **options: Any,
 ) -> str:
     """Infer from the command line; return what is printed. options: others of `infer`.
@@ -61,6 +64,11 @@ def calibrate_bayes(
         tests = [*tests, *({kind: text} for kind, texts in measured.items() for text in texts)]
         tests += [{"record": path} for path in experiments]
     data = data_of(changed, tests, columns=columns)
+    if dry_run:
+        roughness = bool(data.kinds & ROUGHNESS)
+        how = {name: options[name] for name in ("seed", "device")}
+        unknowns = unknowns_of(changed, priors)
+        return cost_of(changed, unknowns, samples=options["runs"], roughness=roughness, **how)
     options |= {"target": target or section.target, "candidates": candidates or section.next, "out": out}
     if options["candidates"] and options["target"] is None:
         raise InputError("--next needs --target, the unknown that the next test shall tell")

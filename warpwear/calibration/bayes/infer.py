@@ -38,6 +38,8 @@ DRAWS = 2000
 FAR = 4.0
 #: Coefficient of friction by which all priors have to miss a course to exclude it.
 COF_FAR = 0.3
+#: What is measured of surfaces in the scar, for which runs keep it.
+ROUGHNESS = frozenset(("sq_counter", "sq_disc"))
 
 
 def infer(
@@ -120,7 +122,7 @@ def infer(
 
         def model_of(other: Study, part: float | None = None) -> ForwardModel:
             how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}
-            rough = bool(data.kinds & {"sq_counter", "sq_disc"})
+            rough = bool(data.kinds & ROUGHNESS)
             of_other = make_runs(other, unknowns, roughness=rough, **how)
             return ForwardModel(other, tuple(unknowns), of_other, frozenset(data.kinds))
 

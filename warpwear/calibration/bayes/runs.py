@@ -170,20 +170,13 @@ def make_runs(
             raise InputError(f"the run that the inference stands on {row.status}")
         places, rows = np.zeros((1, 0)), [row]
     else:
-        usual = 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs))))) * (2 if other_surfaces(study, 2) else 1)
-        count = samples if samples is not None else usual
-        if count < (fewest := 3 * len(inputs) + 5):
-            raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
-        vary: dict[str, Any] = other_surfaces(study, count) | {u.key: u.prior for u in inputs}
-        design = SweepSection(vary=vary, design="sobol", samples=count, seed=seed)
-        plan = Plan(study, design, device=device)
-        _foresee(plan)
+        plan = _plan_of(study, inputs, samples=samples, seed=seed, device=device)
         with opened_folder(out):
             rows = make_all(plan, out)
         failed = [row.status for row in rows if row.status != "done"]
         if failed:
             raise InputError(
-                f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} "
+                f"{len(failed)} of {len(rows)} runs over the priors of {', '.join(u.key for u in inputs)} "
                 f"{failed[0]} Narrower priors, or a study that can be run over all of them, are needed"
             )
         studies = [point.study for point in plan.points if point.study]
@@ -193,6 +186,35 @@ def make_runs(
     whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
     return Runs(study, inputs, places, whole, scaled, cut, rough, part or 1.0)
+
+
+def cost_of(
+    study: Study, unknowns: Sequence[Unknown], *, samples: int | None, seed: int, device: str, roughness: bool
+) -> str:
+    """Make the first of the runs that an inference stands on, and say what all of them will cost."""
+    scaled = scales(study) and not roughness
+    inputs = tuple(unknown for unknown in unknowns if needs_runs(study, unknown.key, scaled=scaled))
+    plan = _plan_of(study, inputs, samples=samples, seed=seed, device=device)
+    with opened_folder(None) as folder, batch.local_executor(plan) as (pool, threads, workers):
+        return batch.estimate(plan, folder, pool, threads=threads, workers=workers)
+
+
+def _plan_of(study: Study, inputs: Sequence[Unknown], *, samples: int | None, seed: int, device: str) -> Plan:
+    """Return the runs of a design over the unknowns that need them, of one run where none does.
+
+    Raises InputError for too few, and for priors of which some samples make no study.
+    """
+    if not inputs:
+        return Plan(study, device=device)
+    usual = 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs))))) * (2 if other_surfaces(study, 2) else 1)
+    count = samples if samples is not None else usual
+    if count < (fewest := 3 * len(inputs) + 5):
+        raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
+    vary: dict[str, Any] = other_surfaces(study, count) | {u.key: u.prior for u in inputs}
+    design = SweepSection(vary=vary, design="sobol", samples=count, seed=seed)
+    plan = Plan(study, design, device=device)
+    _foresee(plan)
+    return plan
 
 
 def _foresee(plan: Plan) -> None:
