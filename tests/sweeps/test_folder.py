@@ -169,7 +169,7 @@ def test_an_unreadable_run_folder_does_not_end_the_sweep(
 
 def test_a_pilot_whose_worker_dies_is_no_traceback(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": VARY}, {}))
-    assert estimate(plan, tmp_path, Dies()).startswith("1 runs: about")
+    assert estimate(plan, tmp_path, Dies()).startswith("1 run: about")
 
 
 def test_runs_that_a_cluster_takes_with_it_are_told(tmp_path: Path) -> None:

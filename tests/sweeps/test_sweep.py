@@ -205,5 +205,5 @@ def test_a_dry_run_says_a_cost_and_no_failure(tmp_path: Path, recwarn: pytest.Wa
     (tmp_path / "cof.csv").write_text("Time [s],CoF\n0,0.5\n1,0.5\n2,0.5\n", encoding="utf-8")
     how = {"executor": Here(), "dry_run": True, "experiments": [tmp_path / "cof.csv"]}
     dry = warpwear.sweep(small(), vary={"contact.load": ["8 N"]}, out=tmp_path / "out", **how)
-    assert dry.cost.startswith("1 runs: about ")
+    assert dry.cost.startswith("1 run: about ")
     assert not [w for w in recwarn if w.category is warpwear.StudyWarning]

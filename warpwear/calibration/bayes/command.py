@@ -46,10 +46,9 @@ def calibrate_bayes(
     target: str | None,
     candidates: Sequence[str],
     out: Path | None,
-    dry_run: bool = False,
     **options: Any,
 ) -> str:
-    """Infer from the command line; return what is printed. options: others of `infer`.
+    """Infer from the command line; return what is printed. options: dry_run, and others of `infer`.
 
     Raises InputError.
     """
@@ -64,7 +63,7 @@ def calibrate_bayes(
         tests = [*tests, *({kind: text} for kind, texts in measured.items() for text in texts)]
         tests += [{"record": path} for path in experiments]
     data = data_of(changed, tests, columns=columns)
-    if dry_run:
+    if options.pop("dry_run", False):
         roughness = bool(data.kinds & ROUGHNESS)
         how = {name: options[name] for name in ("seed", "device")}
         unknowns = unknowns_of(changed, priors)
