@@ -65,3 +65,11 @@ def blocks_of_rows(count: int, *, values: int, together: int = 2**18) -> list[sl
 
 def _centres(n: int, cell: float) -> FloatArray:
     return (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * cell
+
+
+def box_of(cells: NDArray[np.bool_]) -> tuple[int, int, int, int] | None:
+    """Return the first and last row and column of the cells that are true; None where none is."""
+    rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
+    if not rows.size:
+        return None
+    return int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1])

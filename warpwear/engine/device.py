@@ -7,10 +7,12 @@ from threading import Lock
 from typing import Any
 
 import psutil
-import warp as wp
 
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import Grid
+
+wp = lazy.module("warp")
 
 #: Held while Warp starts, by a thread of a user's perhaps: it would start once more in another.
 STARTING = Lock()

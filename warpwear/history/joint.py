@@ -2,14 +2,12 @@
 
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
+from typing import Any
 
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.found import Flash
-from warpwear.contact.array.solve import solve_contact
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
@@ -17,12 +15,13 @@ from warpwear.study.bodies import HEAT
 from warpwear.study.study import Study
 
 heating = lazy.module("warpwear.contact.joint.flash")
+solving = lazy.module("warpwear.contact.array.solve")
 
 #: Column -> its value of a contact; the first word of its name is what output.joint asks for.
-COLUMNS: Mapping[str, Callable[[ArrayContact], float]] = {
-    "conductance_length": ArrayContact.conductance,
-    "stiffness_loading": ArrayContact.stiffness,
-    "stiffness_unloading": partial(ArrayContact.stiffness, unloading=True),
+COLUMNS: Mapping[str, Callable[[Any], float]] = {
+    "conductance_length": lambda contact: contact.conductance(),
+    "stiffness_loading": lambda contact: contact.stiffness(),
+    "stiffness_unloading": lambda contact: contact.stiffness(unloading=True),
     "flow_along": lambda contact: contact.flow_factors().along,
     "flow_across": lambda contact: contact.flow_factors().across,
     "flow_shear": lambda contact: contact.flow_factors().shear,
@@ -31,9 +30,9 @@ COLUMNS: Mapping[str, Callable[[ArrayContact], float]] = {
 MOST_HEATED = 2**22
 
 
-def contact_of(study: Study, snapshot: Snapshot, load: float) -> ArrayContact:
+def contact_of(study: Study, snapshot: Snapshot, load: float) -> Any:
     """Solve the contact of the bodies of a snapshot anew, at a load [N]."""
-    return solve_contact(
+    return solving.solve_contact(
         -np.where(np.isfinite(snapshot.gap), snapshot.gap, 2.0 * study.grid.sides[0]),
         cell=study.grid.cell,
         load=load,

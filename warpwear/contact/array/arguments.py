@@ -8,11 +8,14 @@ from typing import Any, TypeGuard
 import numpy as np
 import numpy.typing as npt
 
-from warpwear.contact.half_space.influence import BOUNDARIES
-from warpwear.engine.staging import each
+from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.form import Form, form_of
+
+#: They bring Warp, which who checks numbers alone has no need of.
+influence = lazy.module("warpwear.contact.half_space.influence")
+staging = lazy.module("warpwear.engine.staging")
 
 #: Sizes of numbers whose squares and products stay far from what float64 cannot hold.
 LARGEST = 1e100
@@ -44,7 +47,9 @@ def checked_heights(
         raise InputError(
             f"{name} of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
         )
-    looks = each(lambda rows: [f(values[rows]) for f in (np.min, np.max, np.sum)], values.shape, threads)
+    looks = staging.each(
+        lambda rows: [f(values[rows]) for f in (np.min, np.max, np.sum)], values.shape, threads
+    )
     lows, highs, sums = np.array(looks).T
     if not (math.isfinite(lows.min()) and math.isfinite(highs.max())):
         wrong = np.argwhere(~np.isfinite(values))
@@ -192,7 +197,7 @@ def _named(form: Form | FloatArray) -> str:
 
 def is_boundary(value: Any) -> TypeGuard[str]:
     """Tell whether a value is the name of a boundary."""
-    return isinstance(value, str) and value in BOUNDARIES
+    return isinstance(value, str) and value in influence.BOUNDARIES
 
 
 def boundary_of(boundary: str | None, modulus: float | None, form: Form | FloatArray | None) -> str | None:

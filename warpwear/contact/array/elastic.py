@@ -9,7 +9,6 @@ import math
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 import warp as wp
 
 from warpwear.contact.array.task import Solution, Task, rms_of
@@ -20,7 +19,7 @@ from warpwear.contact.half_space.window import Window
 from warpwear.engine.executor import Field
 from warpwear.engine.staging import upload
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray, Grid, box_of
 from warpwear.kernels.cells import LANES, PADDING
 
 #: What transforms on all cells instead of those of a window may change of a violation, relatively.
@@ -158,11 +157,3 @@ def _clears(gap: FloatArray, displaced: FloatArray, window: Window, level: float
     above = gap + displaced >= level
     above[rows, columns] = True
     return bool(above.all())
-
-
-def box_of(cells: npt.NDArray[np.bool_]) -> Box | None:
-    """Return the first and last row and column of the cells that are true; None where none is."""
-    rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
-    if not rows.size:
-        return None
-    return int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1])

@@ -11,7 +11,6 @@ import numpy as np
 
 from warpwear.contact.array.arguments import number, shape_of, shown, tolerance_of
 from warpwear.contact.array.contact import ArrayContact
-from warpwear.contact.array.elastic import box_of
 from warpwear.contact.array.memory import claim
 from warpwear.contact.array.shear import ShearCertificate, ShearedContact
 from warpwear.contact.array.solve import solve_contact
@@ -23,7 +22,7 @@ from warpwear.contact.half_space.window import Window
 from warpwear.engine.device import check_threads, free_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray, Grid, box_of
 
 #: Largest violation of the slip conditions, over what friction's bound displaces.
 TOLERANCE = 1.0e-6

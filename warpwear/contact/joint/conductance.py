@@ -15,12 +15,11 @@ import numpy.typing as npt
 from warpwear import lazy
 from warpwear.contact.array.arguments import is_boundary, number, shown
 from warpwear.contact.array.contact import ArrayContact
-from warpwear.contact.array.elastic import box_of
 from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.workplace import workplace
 from warpwear.contact.half_space.window import Window
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray, Grid, box_of
 
 measurements = lazy.module("scipy.ndimage")
 

@@ -13,11 +13,10 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.contact.array.arguments import check_choice, number, shape_of, shown
-from warpwear.contact.array.elastic import box_of
 from warpwear.contact.array.found import Flash
 from warpwear.engine.device import check_threads
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.grid import FloatArray, IntArray
+from warpwear.grid import FloatArray, IntArray, box_of
 
 fft, special = lazy.module("scipy.fft"), lazy.module("scipy.special")
 solvers = lazy.module("scipy.sparse.linalg")
