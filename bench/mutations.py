@@ -327,11 +327,8 @@ def main() -> None:
             name = f"{command.split()[0]} {status}"
             statuses[name] = statuses.get(name, 0) + 1
             if wrong:
-                what = (
-                    wrong.strip().splitlines()[-1]
-                    if "kept as" not in wrong
-                    else wrong.strip().splitlines()[-2]
-                )
+                told = [line for line in wrong.splitlines() if line.strip() and "kept as" not in line]
+                what = told[-1]
                 faults.setdefault(what[:200], []).append(f"case {case}, {ground.name}: {command}\n{wrong}")
     for what, cases in faults.items():
         print(f"== {len(cases)} x {what}\n{cases[0]}\n", flush=True)

@@ -289,3 +289,14 @@ def test_a_volume_that_may_be_nothing_is_told() -> None:
     ]
     notes = warpwear.repeats(sections).numbers["notes"]
     assert notes == ["test.2: of section the volume is within three standard uncertainties of nothing"]
+
+
+def test_courses_that_share_no_place_have_no_band(tmp_path: Path) -> None:
+    """Their lines are drawn, each where it was measured."""
+    pytest.importorskip("ruptures")
+    for name, start in (("near", 0.0), ("far", 5000.0)):
+        rows = "".join(f"{start + s},{0.5 + 0.01 * math.sin(s)}\n" for s in range(1, 401))
+        (tmp_path / f"{name}.csv").write_text("distance [mm],COF\n" + rows)
+    found = warpwear.repeats([{"record": tmp_path / f"{name}.csv"} for name in ("near", "far")])
+    labels = [text.get_text() for text in found.figure().legends[0].get_texts()]
+    assert labels == ["near", "far"]

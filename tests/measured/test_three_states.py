@@ -120,3 +120,26 @@ def test_two_courses_of_one_laboratory() -> None:
         assert fit.numbers["metal"][0] == pytest.approx(1.03, abs=0.1)
         assert fit.rms <= 0.018
         assert found.alone[name].rms <= 0.009
+
+
+def test_shares_are_finite_long_before_the_wait() -> None:
+    """A cover that comes at once and a film that lasts: nothing is bare, and nothing overflows."""
+    filmed, metal, covered = shares(np.array([0.0, 1.0, 400.0]), rate=1.0, middle=200.0, cover_rate=50.0)
+    np.testing.assert_allclose(filmed, [1.0, 1.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(metal, 0.0, atol=1e-12)
+    np.testing.assert_allclose(covered, [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_a_record_with_numbers_that_are_none_is_read(tmp_path: Path) -> None:
+    """A force of a denormal number and an infinite load let the rates of a fit run away."""
+    pytest.importorskip("ruptures")
+    rng, path = np.random.default_rng(1), tmp_path / "test.csv"
+    s = np.linspace(0.0, 600.0, 400)
+    cof = 0.6 - 0.3 * np.exp(-s / 80.0) + 0.01 * rng.normal(size=s.size)
+    rows = [[f"{a:.3f}", "5.0000", f"{5.0 * c:.4f}"] for a, c in zip(s, cof, strict=True)]
+    rows[22][1], rows[97][2] = "1e400", "1e-320"
+    lines = ["Time [s],Normal force [N],Friction force [N]", *(",".join(row) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+    read = warpwear.read_record(path, speed="10 mm/s")
+    states = read.analysis.steps[0].states
+    assert states is None or np.isfinite(list(states.numbers.values())).all()

@@ -97,9 +97,9 @@ def figure_of(tests: Sequence[Any]) -> Figure:
         Line(t.course[0], t.course[1], in_legend(t.name), look) for t, look in zip(known, looks, strict=False)
     ]
     course = Group("tests", rows).courses("cof")
-    if course is not None and len(known) > 1:
-        values = np.where(course[1] > 0.0, course[1], np.nan)
-        several = np.flatnonzero(np.isfinite(values).sum(axis=0) > 1)
+    values = np.full((1, 0), np.nan) if course is None else np.where(course[1] > 0.0, course[1], np.nan)
+    several = np.flatnonzero(np.isfinite(values).sum(axis=0) > 1)
+    if course is not None and several.size:
         some = several[np.unique(np.linspace(0, several.size - 1, PLACES).astype(int))]
         values = values[:, some]
         ends = np.empty((2, some.size))

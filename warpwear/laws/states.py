@@ -43,7 +43,8 @@ def shares(count: FloatArray, *, rate: Any, middle: Any, cover_rate: Any) -> Sha
     for points, weights in zip(_POINTS, _WEIGHTS, strict=True):
         at = 0.5 * (first + last) + 0.5 * points * (last - first)
         slope = np.exp(-np.abs(at - middle))
-        terms = weights * np.exp(cover * (at - here)) * slope / (1.0 + slope) ** 2
+        faded = np.exp(np.minimum(cover * (at - here), 0.0))  # before the wait there is nothing to fade
+        terms = weights * faded * slope / (1.0 + slope) ** 2
         metal = metal + terms.sum(axis=-1)
     metal = 0.5 * (high - low) * metal * both
     return Shares(filmed, metal, 1.0 - filmed - metal)
