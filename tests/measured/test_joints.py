@@ -128,3 +128,12 @@ def test_what_is_not_possible_is_said(surface: Path, changed: dict[str, str], se
     with pytest.raises(InputError) as refused:
         warpwear.joint_curve(surface, **given, **HOW)
     assert sentence in str(refused.value)
+
+
+def test_a_table_never_replaces_a_surface(surface: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = surface.read_bytes()
+    command = ["joint", str(surface), *OPTIONS, "--load", "5 MPa", "--json", "--overwrite", "--table"]
+    with pytest.raises(SystemExit, match="2"):
+        main([*command, str(surface)])
+    assert "is there already: give another name.\n" in capsys.readouterr().err
+    assert surface.read_bytes() == before

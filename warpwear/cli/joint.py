@@ -37,13 +37,15 @@ def joint(surface: Path, **options: Any) -> None:
         folder = Path(f"{surface.name}-joint")
     if folder is not None:
         joints.JointCurve.check_out(folder, overwrite=overwrite)
-    if table is not None and table.exists() and not overwrite:
-        raise InputError(f"--table = {table} is there already: give another name, or --overwrite")
+    read = {file.resolve() for file in (surface, options["against"]) if file is not None}
+    if table is not None and table.exists() and (table.resolve() in read or not overwrite):
+        cure = "" if table.resolve() in read else ", or --overwrite"
+        raise InputError(f"--table = {table} is there already: give another name{cure}")
     given = {name: value for name, value in (prepared(options) | options).items() if value is not None}
     curve = joints.joint_curve(surface, **given)
-    if table is not None:
-        curve.write_table(table)
     if folder is not None:
         curve.write(folder, overwrite=overwrite)
+    if table is not None:
+        curve.write_table(table)
     end = f"written to {folder}/: joint.html, joint.csv, {curve.MARK}, figures"
     click.echo(written.to_json(curve.numbers) if as_json else f"{curve.text}\n{end}")

@@ -38,20 +38,15 @@ def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Cal
 def _load(module: Any, device: Any) -> None:
     """Load a module; compile it where Warp cannot load it. Raises InputError where it cannot be kept."""
     with _LOADING[module]:
-        _load_alone(module, device)
-
-
-def _load_alone(module: Any, device: Any) -> None:
-    """Load a module that no other thread loads."""
-    try:
-        wp.load_module(module, device=device)
-    except Exception as error:  # Warp raises whatever a damaged file makes of it
-        if isinstance(error, MemoryError):
-            raise
-        shutil.rmtree(_folder(module, device), ignore_errors=True)
-        cache = f"{wp.config.kernel_cache_dir} (WARP_CACHE_PATH names another folder)"
-        with explained(f"Warp cannot keep compiled kernels in {cache}"):
+        try:
             wp.load_module(module, device=device)
+        except Exception as error:  # Warp raises whatever a damaged file makes of it
+            if isinstance(error, MemoryError):
+                raise
+            shutil.rmtree(_folder(module, device), ignore_errors=True)
+            cache = f"{wp.config.kernel_cache_dir} (WARP_CACHE_PATH names another folder)"
+            with explained(f"Warp cannot keep compiled kernels in {cache}"):
+                wp.load_module(module, device=device)
 
 
 def _folder(module: Any, device: Any) -> Path:
