@@ -2,10 +2,16 @@
 
 Prints the tables of docs/validation/joints.md: conductance over the plastic and the elastic line for spectra,
 and from plastic to elastic by H/(E* g). Surfaces are Gaussian, periodic, of an area of 1 and an E* of 1.
+`--seconds` prints instead what the outputs of a joint cost beside its contact, on pinned cores.
 """
 
+import argparse
 import math
-import sys
+import os
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -88,5 +94,81 @@ def main(n: int, crossing: int, seeds: int) -> None:
         )
 
 
+def pin(threads: int) -> None:
+    """Keep all threads of this process, those of libraries too, on as many cores."""
+    if hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))[:threads]
+        for task in os.listdir("/proc/self/task"):
+            os.sched_setaffinity(int(task), cores)
+
+
+def timed(work: Callable[..., Any], *what: Any, **options: Any) -> tuple[Any, np.ndarray]:
+    """What some work returns, and its seconds of processors and on the wall."""
+    before = np.array([time.process_time(), time.perf_counter()])
+    done = work(*what, **options)
+    return done, np.array([time.process_time(), time.perf_counter()]) - before
+
+
+def conducted(contact: Any, **on: Any) -> tuple[float, float]:
+    """Conductance and stiffness of a contact."""
+    return contact.conductance(**on), contact.stiffness(**on)
+
+
+def row(name: str, spent: list[np.ndarray], contact: list[np.ndarray], noted: str) -> None:
+    """Print the least of several turns, over that of the contact, and the first one's wall."""
+    (least, beside), first = (np.min(one, axis=0) for one in (spent, contact)), spent[0][1]
+    ratios = " | ".join(f"{one:.2f}" for one in least / beside)
+    print(f"| {name} | {least[0]:.3f} | {least[1]:.3f} | {first:.3f} | {ratios} | {noted} |", flush=True)
+
+
+def seconds(n: int, device: str, threads: int, turns: int) -> None:
+    """Print what conductance and stiffness cost, elastic and capped, and on a CPU flow and heat."""
+    is_cpu = device == "cpu"
+    pin(threads if is_cpu else os.cpu_count() or 1)
+    on: dict[str, Any] = {"device": device, "threads": threads if is_cpu else None}
+    load = warpwear.__version__, time.strftime("%F %T"), *os.getloadavg()
+    print(f"{n} x {n}, {device}, {threads} threads, least of {turns} turns; version, time and load: {load}\n")
+    print("| what | processor s | wall s | first wall s | over contact: processor | wall | transforms |")
+    print("|---|---|---|---|---|---|---|")
+    heights, _ = surface(n, 100, longest=0.5, roll_off=1 / 8, cut_off=16, hurst=0.8)
+    wanted = {"elastic": (0.01, math.inf), "capped": (0.01, 0.47)}
+    if is_cpu:
+        wanted |= {"elastic, sparse": (0.002, math.inf), "elastic, dense": (0.1, math.inf)}
+    for name, (pressure, hardness) in wanted.items():
+        asked = {"mean_pressure": 0.1 * pressure, "hardness": 0.1 * hardness, "cell": 1.0 / n, **on}
+        asked |= {"modulus": 1.0, "boundary": "periodic", "tolerance": 1e-5}
+        contacts, joints = [], []
+        for _ in range(turns):
+            contact, spent = timed(warpwear.solve_contact, 0.1 * heights, **asked)
+            contacts.append(spent)
+            lengths, spent = timed(conducted, contact, **on)
+            joints.append(spent)
+        made = [one.iterations for one in contact.conductions.values()]
+        told = f"A {contact.area:.4f}, {contact.evaluations} pairs"
+        row(f"{name}: contact", contacts, contacts, told)
+        told = f"{lengths[0]:.7g}, {lengths[1]:.7g}: {' + '.join(f'{2 * one + 2}' for one in made)} pairs"
+        row(f"{name}: conductance + stiffness", joints, contacts, told)
+        if not is_cpu or name != "elastic":
+            continue
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            _, flow = timed(contact.flow_factors)
+        heat = {"conductivity": 1.0, "diffusivity": 0.1, "friction": 0.5, "threads": threads}
+        flashes = [timed(contact.flash, 1.0, **heat)[1] for _ in range(turns)]
+        row("elastic: flow factors", [flow], contacts, "")
+        row("elastic: flash", flashes, contacts, "")
+
+
 if __name__ == "__main__":
-    main(*(int(one) for one in sys.argv[1:] or ("1024", "512", "5")))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sizes", nargs="*", type=int, help="cells of both tables, and seeds: 1024 512 5")
+    parser.add_argument("--seconds", action="store_true", help="print what the outputs cost instead")
+    parser.add_argument("--size", type=int, default=1024)
+    parser.add_argument("--device", default="cpu")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--turns", type=int, default=5)
+    given = parser.parse_args()
+    if given.seconds:
+        seconds(given.size, given.device, given.threads, given.turns)
+    else:
+        main(*(given.sizes or (1024, 512, 5)))

@@ -11,7 +11,7 @@ from scipy.sparse import linalg
 
 import warpwear
 from warpwear.contact.half_space.influence import BOUNDARIES, free_coefficients, periodic_spectrum
-from warpwear.contact.joint.conductance import Conduction, conduction
+from warpwear.contact.joint.conductance import FINE, TOLERANCE, Conduction, conduction
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 
@@ -45,11 +45,22 @@ def dense(cells: Cells, boundary: str, film: float) -> tuple[float, FloatArray]:
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_dense_algebra_finds_the_same(boundary: str, film: float, device: str, threads: int) -> None:
     cells = np.random.default_rng(3).random((14, 13)) > 0.6
-    options: dict[str, Any] = {"boundary": boundary, "film": 0.25 * film, "tolerance": 1e-6}
+    options: dict[str, Any] = {"boundary": boundary, "film": 0.25 * film, "tolerance": FINE}
     found = conduction(cells, cell=0.25, **options, device=device, threads=threads)
     length, flux = dense(cells, boundary, film)
     assert found.length == pytest.approx(0.25 * length, rel=1e-9)
     assert np.abs(found.flux - flux).max() < 1e-4 * flux.max()
+
+
+@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize("level", [1.5, 0.5, -1.0])
+def test_a_conductance_lacks_no_more_than_its_tolerance(boundary: str, level: float) -> None:
+    cells = rough(Grid(128, 96, 1.0), shortest=8) > level
+    rough_one, fine = (
+        conduction(cells, cell=1.0, boundary=boundary, tolerance=one) for one in (TOLERANCE, FINE)
+    )
+    assert 0.0 < 1.0 - rough_one.length / fine.length < TOLERANCE
+    assert 0 < rough_one.iterations <= 12
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)

@@ -17,15 +17,20 @@ from warpwear.contact.array.arguments import is_boundary, number, shown
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.workplace import workplace
+from warpwear.contact.half_space.influence import Influence
+from warpwear.contact.half_space.solver import MAX_ITERATIONS
+from warpwear.contact.half_space.transforms import array_module
 from warpwear.contact.half_space.window import Window
-from warpwear.errors import InputError
+from warpwear.engine.executor import Executor
+from warpwear.engine.program import Program
+from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid, box_of
+from warpwear.kernels.cells import LANES
 
 measurements = lazy.module("scipy.ndimage")
 
-#: Largest difference of potentials over the rms potential of a uniform flux; by its square the conductance is
-#: wrong. The second of a flux that is asked for itself.
-TOLERANCE, FINE = 1.0e-2, 1.0e-6
+#: Part of a conductance that may be missing; and that of a flux which is asked for, whose error is the root.
+TOLERANCE, FINE = 1.0e-4, 1.0e-12
 #: Cells of the median spot below which the mesh decides what it conducts.
 FEWEST_CELLS = 3
 
@@ -37,6 +42,20 @@ class Conduction:
     length: float
     flux: FloatArray  # shape (nx, ny)
     iterations: int = 0
+
+
+class Answers:
+    """Holds a flux, and the potential under it or the other way about: the operator, and about its inverse.
+
+    single: whether single precision will do.
+    """
+
+    def __init__(self, executor: Executor, boundary: str, *, single: bool) -> None:
+        self.operator = Influence(executor, modulus=1.0, boundary=boundary)
+        self.fields = executor.zeros(), executor.zeros()
+        self.response, self.inverse = Program(executor), Program(executor)
+        self.operator.add_response(self.response, *self.fields, single=single)
+        self.operator.add_inverse(self.inverse, *self.fields)
 
 
 def conduction(
@@ -51,8 +70,9 @@ def conduction(
 ) -> Conduction:
     """Return what some cells of a surface conduct. film: resistance of their area × conductivity, a length.
 
-    A flux that gives them one potential is the pressure of a flat punch of their shape, less 1: the punch has
-    as much more depth as a pressure of 1 displaces, so that no cell comes near to lifting off.
+    Conjugate gradients find the flux of one potential, of these cells alone. Its energy lies above the least
+    one by no more than that of the residual under the inverse on all cells, where the surface repeats exactly
+    so: that is the stop test. Raises ConvergenceError.
     """
     box, grid, part = box_of(cells), Grid(cells.shape[0], cells.shape[1], 1.0), np.s_[:, :]
     if box is None or (boundary == "periodic" and cells.all()):
@@ -61,7 +81,7 @@ def conduction(
     if boundary == "free":
         window = Window.close_to(box, grid)
         grid, part = window.grid(grid), window.cells
-    punch = cells[part]
+    there = np.divmod(np.flatnonzero(cells[part]), grid.ny)
     lent = workplace(
         "normal",
         grid.shape,
@@ -69,22 +89,39 @@ def conduction(
         device=device,
         threads=threads,
     )
-    with lent as place, giving_back(place.executor):
-        solver, executor = place.half_space(boundary, math.inf, tolerance=tolerance), place.executor
-        executor.fill(solver.pressure_field, punch.astype(np.float64))
-        displaced = place.field("displacement")
-        solver.operator.set_compliance(film / cell, 0.0)
-        solver.operator.respond(solver.pressure_field, displaced)
-        gap = np.where(punch, -executor.to_numpy(displaced), np.inf)
-        solver.started = True
-        mean = 2.0 * np.count_nonzero(punch) / punch.size
-        found = solver.solve(place.gap(gap), mean_pressure=mean, compliance=film / cell)
-        local = found.pressure - punch
-        potential = executor.to_numpy(solver.displacement()) + np.where(punch, gap, 0.0)
-    flux, total = np.zeros(cells.shape), float(local.sum())
-    flux[part] = local * (cells.size / total)
-    length = cell * total**2 / float(np.sum(local * potential))
-    return Conduction(length, flux, found.iterations)
+    with lent as place, giving_back(place.executor), array_module(place.executor) as xp:
+        executor, single = place.executor, tolerance > FINE
+        answers = place.solver((boundary, single), lambda: Answers(executor, boundary, single=single))
+        answers.operator.set_compliance(film / cell, 0.0)
+        answers.fields[0].zero_()
+        given, answer = (xp.asarray(field).reshape(-1) for field in answers.fields)
+        places = xp.asarray(there[0] * (executor.vectors * LANES) + there[1])
+
+        def answered(program: Program, values: Any) -> Any:
+            given[places] = values
+            program.run()
+            return answer[places]
+
+        local = step = xp.ones(places.size)
+        potential = response = answered(answers.response, local)
+        for iteration in range(MAX_ITERATIONS):
+            residual = potential.mean() - potential
+            descent = answered(answers.inverse, residual)
+            descent -= descent.mean()
+            energy, missing = (float((a * b).sum()) for a, b in ((local, potential), (residual, descent)))
+            if missing <= tolerance * energy:
+                break
+            if iteration:
+                descent -= step * ((descent * response).sum() / (step * response).sum())
+            step, response = descent, answered(answers.response, descent)
+            length = (residual * step).sum() / (step * response).sum()
+            local = local + length * step
+            potential = potential + length * response
+        else:
+            raise ConvergenceError(f"no flux of one potential was found in {MAX_ITERATIONS} iterations.")
+        total, flux = float(local.sum()), np.zeros(cells.shape)
+        flux[part][there] = (local if xp is np else local.get()) * (cells.size / total)
+    return Conduction(cell * total**2 / energy, flux, iteration)
 
 
 def of_contact(
