@@ -44,7 +44,9 @@ from warpwear.laws.friction import FrictionLaw as FrictionLaw
 from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
 from warpwear.measured.friction.record import read_record as read_record
 from warpwear.measured.joints import JointCurve as JointCurve
+from warpwear.measured.joints import MeasuredContact as MeasuredContact
 from warpwear.measured.joints import joint_curve as joint_curve
+from warpwear.measured.joints import measured_contact as measured_contact
 from warpwear.measured.report import FileReport as FileReport
 from warpwear.measured.report import Report as Report
 from warpwear.measured.surface import MeasuredProfile as MeasuredProfile

@@ -13,7 +13,7 @@ import click
 
 from warpwear.cli.calibrate import calibrate
 from warpwear.cli.compare import compare
-from warpwear.cli.joint import joint
+from warpwear.cli.joint import contact, joint
 from warpwear.cli.new import new
 from warpwear.cli.record import record
 from warpwear.cli.repeats import repeats
@@ -126,5 +126,5 @@ def commands() -> None:
 
 
 _OF_RUNS = (run, new, studies, show, plot, animate, export_command, list_materials)
-for command in (*_OF_RUNS, surface, joint, record, repeats, compare, sweep, calibrate, report):
+for command in (*_OF_RUNS, surface, contact, joint, record, repeats, compare, sweep, calibrate, report):
     commands.add_command(command)

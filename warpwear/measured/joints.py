@@ -1,31 +1,43 @@
-"""Press measured surfaces on each other over a range of loads: what their joint conducts, how stiff it is."""
+"""Press measured surfaces on each other: what their joint conducts over the load, and all of one contact."""
 
 import math
 import tomllib
 import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
+from pydantic import ValidationError
 
+from warpwear import lazy
+from warpwear.contact.array.arguments import FORM_KEYS
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.solve import solve_contact
 from warpwear.errors import InputError, named_in_python
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, Scale
-from warpwear.grid import FloatArray, Grid
-from warpwear.laws.elastic import asperities, effective_modulus
+from warpwear.figures.describe import Axis, Chart, Ends, Figure, Level, Line, Look, Map, Scale
+from warpwear.grid import FloatArray, Grid, box_of
+from warpwear.history.verdict import OF_PERIMETER, sides_of
+from warpwear.laws.elastic import Hertz, asperities, effective_modulus
 from warpwear.measured.options import quantity
 from warpwear.measured.report import FileReport, FolderReport, paged
 from warpwear.measured.surface import HowToRead, read_surface
 from warpwear.measured.surface_report import MeasuredSurface
-from warpwear.results.report import Row, aligned, lines
+from warpwear.results.report import Row, aligned, finite, lines
+from warpwear.study.bodies import CounterBody, Shape
+from warpwear.study.keys import Section, check_keys
 from warpwear.study.materials import Material
 from warpwear.study.materials import material as known_material
+from warpwear.study.text import sentence
 from warpwear.surfaces.roughness import rms_slope
+
+ndimage = lazy.module("scipy.ndimage")
+pressing = lazy.module("warpwear.contact.stress.stresses")
 
 #: Loads of a range, and columns that are printed.
 LOADS, PRINTED = 13, 6
@@ -35,7 +47,14 @@ BINS = 40
 #: Units of columns, figures, and what the page says.
 DECLARED = tomllib.loads((files("warpwear.measured") / "joint.toml").read_text(encoding="utf-8"))
 FLOWS = [name for name in DECLARED["columns"] if "flow" in name]
-HEADS = [f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()]
+HEADS = {name: f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()}
+
+#: Keys of [counter] that one contact has.
+KEYS = (*Shape.model_fields, "material")
+#: Numbers in the order in which they are told: label, unit where the name does not end with it, attribute.
+SHOWN = DECLARED["contact"]["rows"]
+#: Depths below the surface at which stresses are computed, and rows of their map.
+DEPTHS, ROWS = 32, 200
 
 Table = Mapping[str, FloatArray]
 
@@ -66,11 +85,41 @@ class JointCurve(FileReport, FolderReport):
             Of the file, which is replaced where it is there.
         """
         rows = np.column_stack([*self.table.values()])
-        np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(HEADS), comments="")
+        heads = ",".join(HEADS.get(name, name) for name in self.table)
+        np.savetxt(path, rows, "%.9g", delimiter=",", header=heads, comments="")
 
     def _parts(self, folder: Path) -> dict[str, Any]:
-        name, said = self.text.partition("\n")[0], {"lines": lines(self.rows), "how": DECLARED["page"]["how"]}
-        return paged(self, self.figures, DECLARED["page"]["sections"], self.write_table, name=name, **said)
+        page = DECLARED[self.MARK.removesuffix(".json")]
+        name, said = self.text.partition("\n")[0], {"lines": lines(self.rows), "how": page["how"]}
+        return paged(self, self.figures, page["sections"], self.write_table, name=name, **said)
+
+
+class PressedOn(Section):
+    """The section [counter] of a contact, whose other body is a measured surface."""
+
+    counter: CounterBody
+
+    def _check(self) -> None:
+        check_keys(self)
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class MeasuredContact(JointCurve):
+    """A contact of a measured surface has pressures and gaps, and numbers of them; `print` shows some.
+
+    Attributes
+    ----------
+    contact : ArrayContact
+        As `solve_contact` returned it, in mm, N and MPa.
+    table : dict
+        Name, its unit at the end -> value, (1,), NaN where it is not known.
+    figures : dict
+        Name -> what it shows.
+    """
+
+    MARK = "contact.json"
+    WHAT = "a contact"
+    contact: ArrayContact
 
 
 @named_in_python()
@@ -128,45 +177,14 @@ def joint_curve(
     >>> joint.table["pressure"]
     array([ 1., 10.])
     """
-    pressures, pair = loads_of(load), [_known(material), _known(against_material or material)]
-    softer = min(body.hardness for body in pair)
-    limit = softer if hardness is None else quantity("--hardness", hardness, "MPa")
-    modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
-    heights, cell = rough(*(read_surface(file, **how) for file in (path, against) if file is not None))
-    wide = heights.reshape(heights.shape[0] // 2, 2, -1, 2).mean(axis=(1, 3))
-    given: dict[str, Any] = {"modulus": modulus, "hardness": limit, "device": device}
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        coarse, _ = press(wide, pressures, pair, cell=2.0 * cell, **given)
-        told.clear()
-        table, last = press(heights, pressures, pair, cell=cell, **given)
-    slope = rms_slope(heights, pixel=(cell, cell))
-    ratio, mode = asperities(limit, modulus, slope)
+    loads, pair = loads_of(load), [known(material), known(against_material or material)]
+    surfaces = [read_surface(file, **how) for file in (path, against) if file is not None]
+    rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
-    changes = []
-    with np.errstate(invalid="ignore", divide="ignore"):  # infinite where all is in contact, 0 where no flow
-        for name in CHANGED:
-            change = 100.0 * (coarse[name] / table[name] - 1.0)
-            known = change[np.isfinite(change)]
-            changes.append(Row(name, name, float(known.mean()) if known.size else None, 2))
-    missing = [
-        f"{name} of {body.name}"
-        for body in {body.name: body for body in pair}.values()
-        for name in ("conductivity", "resistivity")
-        if getattr(body, name) is None
-    ]
-    rows = [
-        Row("E*", "modulus_MPa", modulus),
-        Row("hardness", "hardness_MPa", limit),
-        Row("rms slope", "rms_slope", slope, note=f"of cells of {1e3 * cell:.3g} µm"),
-        Row("asperities", "asperities", mode, note=f": H/(E* × rms slope) = {ratio:.3g}"),
-        Row("twice the cell", "changes_percent", changes),
-        Row("not known", "not_known", missing or None),
-        Row("", "table", {head: list(at) for head, at in zip(HEADS, table.values(), strict=True)}),
-        Row("warning", "warnings", [*dict.fromkeys(str(one.message) for one in told)] or None),
-    ]
+    heads = [*HEADS.values()]
+    rows.append(Row("", "table", {head: list(at) for head, at in zip(heads, table.values(), strict=True)}))
     other = Path(against).name if against else "a smooth plane"
-    shown = [row[:PRINTED] for row in [HEADS, *cells]] if len(cells) > 1 else zip(HEADS, *cells, strict=True)
+    shown = [row[:PRINTED] for row in [heads, *cells]] if len(cells) > 1 else zip(heads, *cells, strict=True)
     of_loads = [f"  {line}" for line in aligned([*shown])]
     text = "\n".join([f"joint of {Path(path).name} and {other}", *lines(rows), *of_loads])
     figures = figures_of(table, coarse, last)
@@ -175,7 +193,95 @@ def joint_curve(
     )
 
 
-def _known(name: str) -> Material:
+@named_in_python()
+def measured_contact(
+    path: str | Path,
+    *,
+    load: str,
+    material: str,
+    counter: Mapping[str, Any] | None = None,
+    against: str | Path | None = None,
+    hardness: str | float | None = None,
+    flow: bool = False,
+    stresses: bool = False,
+    device: str = "cpu",
+    **how: Unpack[HowToRead],
+) -> MeasuredContact:
+    """Press a measured surface on a plane, another one or a counter-body, and return all of that contact.
+
+    Parameters
+    ----------
+    path
+        File of a measured surface.
+    load
+        A force, "5 N", or on a plane and another surface a mean pressure, "10 MPa".
+    material
+        Name of a known material, see `materials`.
+    counter
+        Keys of a study's [counter]: its form, shape, radius, diameter, radius_along, radius_across and
+        edge_radius, without which it is a plane; and its material, by default the same.
+    against
+        File of another surface instead, turned over about x.
+    hardness
+        Largest pressure of a cell [MPa], or text; by default that of the softer material.
+    flow
+        Whether to find what flows through the gap of a surface that repeats.
+    stresses
+        Whether to find the stresses below the surface.
+    device
+        "cpu" or "cuda:0".
+    **how
+        How the files are read, as for `read_surface`.
+
+    Returns
+    -------
+    MeasuredContact
+        Areas, pressures, gaps, stiffness, what it conducts, and figures.
+
+    Raises
+    ------
+    InputError
+        For a file, load, material or counter-body that is not possible.
+
+    Examples
+    --------
+    >>> np.save("lapped.npy", np.random.default_rng(0).normal(0.0, 0.1, (64, 64)))
+    >>> lapped = {"pixel": "2 um", "height_unit": "um", "s_filter": 0.016}
+    >>> ball = {"radius": "3 mm", "material": "AISI 52100"}
+    >>> under = warpwear.measured_contact("lapped.npy", load="1 N", material="PEEK", counter=ball, **lapped)
+    >>> round(under.numbers["hertz_radius_um"], 1)
+    0.0
+    """
+    body = counter_of(counter or {})
+    form, pair = body.form, [known(material), known(body.material or material)]
+    by, amount = load_of(load, plane=form.is_flat)
+    given: dict[str, Any] = {"by": by, "flow": flow, "device": device}
+    if not form.is_flat:
+        if flow or against is not None:
+            option = "--flow" if flow else "--against"
+            raise InputError(f"{option} does not go with a {body.title}: a surface that repeats is allowed")
+        given["counter"] = {key: getattr(body, key) for key in counter or () if key in ("shape", *FORM_KEYS)}
+        given["counter"]["radius"] = body.nominal_radius
+        given["boundary"] = "line" if form.rises == (True, False) else "free"
+    surfaces = [read_surface(file, **how) for file in (path, against) if file is not None]
+    rows, columns, _, contact = pressed(surfaces, np.array([amount]), pair, hardness, **given)
+    values = numbers_of(contact, {name: float(column[0]) for name, column in columns.items()}, body)
+    drawn, below = stresses_of(contact, pair[0]) if stresses else ({}, {})
+    figures, values = fields_of(contact) | drawn, values | below
+    told = {name: finite(value) for name, value in values.items()}
+    own = [Row(said["label"], key, told.get(key), unit=said.get("unit")) for key, said in SHOWN.items()]
+    own[0] = replace(own[0], error=told["area_corrected_error_mm2"])
+    other = Path(against).name if against else "a smooth plane" if form.is_flat else f"a {body.title}"
+    undefined = [text for key, text in DECLARED["undefined"].items() if told.get(key) is None]
+    rows = [*own, *rows, Row("has no meaning", "undefined", undefined or None)]
+    text = "\n".join([f"contact of {Path(path).name} and {other}", *lines(rows)])
+    draw = partial(figures.__getitem__, "pressure_map")
+    table = {name: np.array([value]) for name, value in values.items()}
+    return MeasuredContact(text=text, rows=rows, draw=draw, table=table, figures=figures, contact=contact)
+
+
+def known(name: str) -> Material:
+    """Return the known material of --material. Raises InputError."""
     try:
         return known_material(name)
     except ValueError as error:
@@ -192,6 +298,50 @@ def loads_of(text: str) -> FloatArray:
     return np.geomspace(values[0], values[1], LOADS) if is_range else np.array(values)
 
 
+def pressed(
+    surfaces: list[MeasuredSurface], loads: FloatArray, pair: list[Material], hardness: Any, **given: Any
+) -> tuple[list[Row], Table, Table, ArrayContact]:
+    """Press surfaces: return rows, the columns of `press`, those of cells twice as wide, and the contact.
+
+    given: what `press` takes.
+    """
+    softer = min(body.hardness for body in pair)
+    limit = softer if hardness is None else quantity("--hardness", hardness, "MPa")
+    modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
+    heights, cell = rough(*surfaces)
+    wide = heights.reshape(heights.shape[0] // 2, 2, -1, 2).mean(axis=(1, 3))
+    given |= {"modulus": modulus, "hardness": limit}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        coarse, _ = press(wide, loads, pair, cell=2.0 * cell, **given)
+        told.clear()
+        table, last = press(heights, loads, pair, cell=cell, **given)
+    slope = rms_slope(heights, pixel=(cell, cell))
+    ratio, mode = asperities(limit, modulus, slope)
+    changes = []
+    with np.errstate(invalid="ignore", divide="ignore"):  # infinite where all is in contact, 0 where no flow
+        for name in CHANGED:
+            change = 100.0 * (coarse[name] / table[name] - 1.0)
+            change = change[np.isfinite(change)]
+            changes.append(Row(name, name, float(change.mean()) if change.size else None, 2))
+    missing = [
+        f"{name} of {body.name}"
+        for body in {body.name: body for body in pair}.values()
+        for name in ("conductivity", "resistivity")
+        if getattr(body, name) is None
+    ]
+    rows = [
+        Row("E*", "modulus_MPa", modulus),
+        Row("hardness", "hardness_MPa", limit),
+        Row("rms slope", "rms_slope", slope, note=f"of cells of {1e3 * cell:.3g} µm"),
+        Row("asperities", "asperities", mode, note=f": H/(E* × rms slope) = {ratio:.3g}"),
+        Row("twice the cell", "changes_percent", changes),
+        Row("not known", "not_known", missing or None),
+        Row("warning", "warnings", [*dict.fromkeys(str(one.message) for one in told)] or None),
+    ]
+    return rows, table, coarse, last
+
+
 def rough(surface: MeasuredSurface, *others: MeasuredSurface) -> tuple[FloatArray, float]:
     """Return the heights [mm] of surfaces together, on even numbers of cells, and the cell."""
     bodies = [surface, *others]
@@ -204,22 +354,25 @@ def rough(surface: MeasuredSurface, *others: MeasuredSurface) -> tuple[FloatArra
 
 
 def press(
-    heights: FloatArray, pressures: FloatArray, pair: list[Material], *, device: str, **given: Any
+    heights: FloatArray, loads: FloatArray, pair: list[Material], *, by: str = "mean_pressure", **given: Any
 ) -> tuple[Table, ArrayContact]:
-    """Return the columns of all loads, NaN where it is not known what conducts, and the last contact."""
-    rows, on = [], dict[str, Any](device=device)
+    """Return the columns of all loads, NaN where it is not known what conducts, and the last contact.
+
+    by: what the loads are to `solve_contact`, which takes what is given. flow: whether there is any.
+    """
+    flow, on, rows = given.pop("flow", True), {"device": given.pop("device")}, []
     k, rho = ([getattr(body, name) or math.nan for body in pair] for name in ("conductivity", "resistivity"))
-    for pressure in pressures:
-        contact = solve_contact(heights, mean_pressure=pressure, **on, **given)
-        area, length = contact.nominal_area, contact.conductance(**on)
+    for load in loads:
+        contact = solve_contact(heights, **{by: load}, **on, **given)
+        area, length, flows = contact.nominal_area, contact.conductance(**on), [math.nan] * len(FLOWS)
         try:
-            flow = contact.flow_factors()
-            flows = [flow.along, flow.across, flow.shear, *(flow.nominal or [math.nan] * 2)]
+            if flow:
+                of = contact.flow_factors()
+                flows = [of.along, of.across, of.shear, *(of.nominal or flows[:2])]
         except InputError as error:  # of too many cells
             warnings.warn(f"flow is not known: {error}", stacklevel=2)
-            flows = [math.nan] * len(FLOWS)
         row = {
-            "pressure": pressure,
+            "pressure": contact.mean_pressure if by == "load" else load,
             "area": contact.area / area,
             "area_at_hardness": contact.area_at_hardness / area,
             "separation": -1e3 * contact.approach,
@@ -249,14 +402,34 @@ def figures_of(table: Table, coarse: Table, last: ArrayContact) -> dict[str, Fig
             drawn.append(Line(pressure, coarse[said["coarse"]], "cells twice as wide", Look(dash="dot")))
         chart = Chart(said["title"], x, Axis(said["axis"], said.get("scale", "log")), drawn)
         figures[name] = Figure([chart], 1, legend=1, width=describe.COLUMN)
-    at, touches = f" at a mean of {last.mean_pressure:.3g} MPa", last.pressure > 0.0
-    extent = (0.0, touches.shape[0] * last.cell, 0.0, touches.shape[1] * last.cell)
-    fields = {"pressure": (last.pressure, touches), "gap": (1e3 * np.maximum(last.gap, 0.0), ~touches)}
+    return figures | fields_of(last)
+
+
+def view(contact: ArrayContact) -> tuple[tuple[slice, slice], Ends]:
+    """Return the cells that are shown, and their place [mm]: those around a contact that does not repeat."""
+    shape, cell = contact.pressure.shape, contact.cell
+    box = None if contact.boundary == "periodic" else box_of(contact.pressure > 0.0)
+    i, last_i, j, last_j = box or (0, shape[0], 0, shape[1])
+    beside = 2 + max(last_i - i, last_j - j) // 2
+    x = slice(max(i - beside, 0), min(last_i + beside, shape[0]))
+    y = slice(max(j - beside, 0), min(last_j + beside, shape[1]))
+    return (x, y), (x.start * cell, x.stop * cell, y.start * cell, y.stop * cell)
+
+
+def fields_of(contact: ArrayContact) -> dict[str, Figure]:
+    """Declare the figures of the pressures and gaps of a contact."""
+    part, extent = view(contact)
+    pressure, gap = contact.pressure[part], 1e3 * np.maximum(contact.gap[part], 0.0)
+    touches, beyond = pressure > 0.0, np.isinf(gap)
+    gap[beyond] = np.nan
+    at = f" at a mean of {contact.mean_pressure:.3g} MPa"
+    at = at if contact.boundary == "periodic" else f" under {contact.load:.3g} N"
+    figures, fields = {}, {"pressure": (pressure, touches), "gap": (gap, ~(touches | beyond))}
     for name, (field, where) in fields.items():
         said = DECLARED["fields"][name]
-        scale = Scale(said["label"], 0.0, float(field.max()) or 1.0, colours=said["colours"])
-        title = name.capitalize() + at
-        drawn_map = Map(title, [field], extent, scale, x="x, mm", y="y, mm")
+        scale = Scale(said["label"], 0.0, float(np.nanmax(field)) or 1.0, colours=said["colours"])
+        title, hidden = name.capitalize() + at, beyond if beyond.any() else None
+        drawn_map = Map(title, [field], extent, scale, hidden=hidden, x="x, mm", y="y, mm")
         counts, edges = np.histogram(field[where], BINS, (0.0, scale.high))
         places, heights = np.repeat(edges, 2)[1:-1], np.repeat(counts / max(counts.sum(), 1), 2)
         share = Axis(f"share of the area {said['cells']}, –", low=0.0)
@@ -265,3 +438,77 @@ def figures_of(table: Table, coarse: Table, last: ArrayContact) -> dict[str, Fig
         figures[f"{name}_map"] = Figure([drawn_map], 1, width=describe.COLUMN)
         figures[f"{name}_histogram"] = Figure([chart], 1, width=describe.COLUMN)
     return figures
+
+
+def counter_of(keys: Mapping[str, Any]) -> CounterBody:
+    """Return the body of keys of [counter], a plane without a form. Raises InputError."""
+    for key, value in keys.items():
+        if key not in KEYS or value == "measured":
+            allowed = ", ".join(f"counter.{name}" for name in KEYS)
+            raise InputError(f"{key} = {value!r}: allowed are {allowed}; a measured body is --against")
+    plane = {} if keys.keys() & Shape.model_fields else {"radius": "inf mm"}
+    try:
+        return PressedOn(counter={**keys, **plane}).counter
+    except ValidationError as error:
+        raise InputError(sentence(error, PressedOn)) from None
+
+
+def load_of(text: str, *, plane: bool) -> tuple[str, float]:
+    """Return what a load is to `solve_contact`, and how much [N, MPa]. Raises InputError."""
+    for name, unit in (("load", "N"), ("mean_pressure", "MPa"))[: 1 + plane]:
+        with suppress(InputError):
+            return name, quantity("--load", text, unit)
+    raise InputError(f"--load = {text!r}: allowed are a force, '5 N', and of a plane a pressure, '10 MPa'")
+
+
+def numbers_of(contact: ArrayContact, at: Mapping[str, float], body: CounterBody) -> dict[str, float]:
+    """Return the numbers of a contact by name, NaN where one has none. at: its columns of `press`."""
+    area, form, cell = contact.nominal_area, body.form, contact.cell
+    touches, approach = contact.pressure > 0.0, 1e3 * contact.approach
+    # Towards the edge of a pin pressures do not fall to zero.
+    over = math.nan if body.shape == "pin" else OF_PERIMETER * sides_of(touches) * cell**2
+    values = {key: float(getattr(contact, said["of"])) for key, said in SHOWN.items() if "of" in said}
+    values |= {key: area * at[name] * by for key, (name, by) in DECLARED["contact"]["totals"].items()}
+    values |= {
+        "area_corrected_mm2": contact.area - over,
+        "area_corrected_error_mm2": 0.5 * over,
+        "spots": float(ndimage.label(touches)[1]),
+        "pressure_max_MPa": float(contact.pressure.max()),
+        "approach_um": math.nan if contact.boundary == "line" else approach,
+        "resistance_ohm": at["resistance"] / area,
+        "energy_gap_relative": contact.certificate.relative_gap,
+    }
+    if contact.boundary == "periodic":
+        values |= {"area_nominal_mm2": area, "gap_um": at["gap"]}
+        values |= {head: at[name] for name, head in HEADS.items() if head in SHOWN}
+    if body.has_hertz:
+        along, across = (1.0 / rise if rise else math.inf for rise in (form.along, form.across))
+        length = cell * contact.pressure.shape[1 if form.along else 0]
+        hertz = Hertz(contact.modulus or math.nan, along, contact.load, across, length)
+        values |= {"hertz_radius_um": 1e3 * hertz.radius, "hertz_pressure_MPa": hertz.peak_pressure}
+        values |= {"hertz_area_mm2": hertz.area, "hertz_approach_um": 1e3 * hertz.approach}
+    return values
+
+
+def stresses_of(contact: ArrayContact, body: Material) -> tuple[dict[str, Figure], dict[str, float]]:
+    """Declare figures of von Mises' stress below the surface, of the body with the heights, and its largest.
+
+    Dashed: a third of the hardness, at which it yields (Tabor 1951).
+    """
+    part, (low, high, *_) = view(contact)
+    depths = np.append(0.0, np.geomspace(0.5 * contact.cell, 0.5 * (high - low), DEPTHS))
+    below = (pressing.stresses(contact, depth, poisson=body.poisson).mises[0] for depth in depths)
+    mises = np.stack([stress[part].astype(np.float32) for stress in below])
+    k, _, j = np.unravel_index(int(mises.argmax()), mises.shape)
+    largest, limit = mises.max(axis=(1, 2)), body.hardness / 3.0
+    levels = np.linspace(depths[-1], 0.0, ROWS)
+    plane = np.array([np.interp(levels, depths, column) for column in mises[:, :, j].T])
+    label, dashed = "von Mises' stress, MPa", Look(describe.HARDNESS, "dash", 0.8)
+    regions = [(plane > limit, dashed)] if largest[k] > limit else []
+    scale, extent = Scale(label, 0.0, float(largest[k])), (low, high, -depths[-1], 0.0)
+    section = Map("Below the surface", [plane], extent, scale, regions=regions, x="x, mm", y="−z, mm")
+    drawn = [Line(depths, largest), Level(limit, look=dashed)]
+    chart = Chart("Largest of each depth", Axis("depth, mm", low=0.0), Axis(label, low=0.0), drawn)
+    figures = {"stress_map": [section], "stress_depths": [chart]}
+    numbers = {"mises_max_MPa": largest[k], "mises_depth_um": 1e3 * depths[k], "yield_MPa": limit}
+    return {name: Figure(panels, 1, width=describe.COLUMN) for name, panels in figures.items()}, numbers

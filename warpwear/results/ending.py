@@ -11,13 +11,12 @@ from warpwear.results.file import ResultFile
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import Row, lines, shown
 from warpwear.results.summary import summarise
+from warpwear.results.summary_models import WARM
 from warpwear.study.bodies import HEAT
 from warpwear.study.study import Study
 
 #: Rank of notes on no number, which are not counted.
 LIGHTEST = 3
-#: Rise of the temperature from which it is no longer small [K].
-WARM = 20.0
 #: Lines at most, its head among them: one more is that of its page.
 MOST_LINES = 9
 

@@ -78,6 +78,9 @@ def _content(result: ResultFile) -> dict[str, Any]:
         **summary_models.layers(result),
         **_checks(result, end),
     }
+    if (rise := content.get("flash_K", {}).get("largest", 0.0)) >= summary_models.WARM:
+        hot = f"The contact gets {rise:.2g} K hotter at most, which is no longer small"
+        content["warnings"].append(f"{hot}: hardness, friction and wear are those of room temperature.")
     return {"verdict": vars(verdict_of(study, Summary.of(content), result.history)), **content}
 
 

@@ -20,6 +20,8 @@ from warpwear.results.track import both_directions, course, groove, is_short, ro
 
 #: Parts of the area in contact that the uppermost layer has no more when it is half worn through, and first.
 HALF, LEAST = 0.5, 1.0e-9
+#: Rise of the temperature from which it is no longer small [K].
+WARM = 20.0
 below = lazy.module("warpwear.contact.stress.stresses")
 joints = lazy.module("warpwear.history.joint")
 

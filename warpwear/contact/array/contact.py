@@ -181,22 +181,22 @@ class ArrayContact:
         factors: FlowFactors = flow.flow_factors(self)
         return factors
 
-    def leakage(self, pressure_drop: float, *, viscosity: float, length: float, axis: int = 0) -> float:
-        """Return what leaks through a strip of the contact, by its flow factors.
+    def leakage(self, pressure_drop: float, **options: Any) -> float:
+        """Return what leaks through a strip of the contact: `FlowFactors.leakage` of its `flow_factors`.
 
         Parameters
         ----------
-        pressure_drop, viscosity, length : float
-            The pressure falls by so much over so long a strip; the fluid's viscosity is a pressure × time.
-        axis : int
-            Along which it falls.
+        pressure_drop : float
+            By which the pressure falls over the strip.
+        **options
+            viscosity, length and axis, as there.
 
         Returns
         -------
         float
             A volume over time and width: an area over a time.
         """
-        return self.flow_factors().leakage(pressure_drop, viscosity=viscosity, length=length, axis=axis)
+        return self.flow_factors().leakage(pressure_drop, **options)
 
     def flash(self, speed: float, **options: Any) -> Flash:
         """Return how hot the contact gets that slides along axis 0, and which body its heat flows into.

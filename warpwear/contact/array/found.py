@@ -5,7 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from warpwear.contact.array.arguments import number
+from warpwear.contact.array.arguments import number, shown
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
 
@@ -50,17 +51,26 @@ class FlowFactors:
         ----------
         pressure_drop, viscosity, length : float
             The pressure falls by so much over so long a strip; the fluid's viscosity is a pressure × time.
-        axis : int
+        axis : {0, 1}
             Along which it falls.
 
         Returns
         -------
         float
             A volume over time and width: an area over a time.
+
+        Raises
+        ------
+        InputError
+            For another axis, and a number that is not positive.
         """
+        if axis not in (0, 1):
+            raise InputError(f"axis = {shown(axis)} is not possible; it must be 0 or 1.")
         numbers = {"pressure_drop": pressure_drop, "viscosity": viscosity, "length": length}
         drop, viscosity, length = (number(name, value, optional=False) for name, value in numbers.items())
-        return float((self.along, self.across)[axis] * self.mean_gap**3 * drop / (12.0 * viscosity * length))
+        return float(
+            (self.across if axis else self.along) * self.mean_gap**3 * drop / (12.0 * viscosity * length)
+        )
 
 
 @dataclass(frozen=True, eq=False)

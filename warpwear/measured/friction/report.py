@@ -20,6 +20,8 @@ from warpwear.results.report import record as record_of
 FEW, SHARE = 4.0, 0.25
 #: Changes of level that a line names.
 CHANGES = 6
+#: What is said of how hot the contact gets: no record says what its bodies are made of.
+NO_HEAT = "not known: no conductivity of the disc, the counter-body; a run of the test tells"
 #: How the numbers are found, in sentences.
 HOW = (
     f"Levels: the least squared error with a penalty of {PENALTY:g} σ² τ ln n for each change (PELT of "
@@ -90,6 +92,7 @@ def notes_of(analysis: Analysis) -> list[Row]:
         Row("warning", "warnings", list(dict.fromkeys(warnings))),
         Row("note", "notes", list(notes.values())[::-1]),
         Row("steps left out", "steps_left_out", list(analysis.left_out)),
+        Row("temperature", "flash_unknown", NO_HEAT),
         Row("", "how", list(HOW)),
     ]
 
