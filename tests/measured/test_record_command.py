@@ -68,6 +68,7 @@ def test_a_folder_is_written_and_its_table_is_the_course_again(
     assert [float(row["CoF [-]"]) for row in rows] == again.cof.tolist()
     assert float(rows[3]["Lap [-]"]) == 3.5
     assert json.loads((folder / "record.json").read_text()) == printed(path, radius="5 mm")
+    assert printed(path, radius="5 mm")["flash_unknown"].startswith("not known: no conductivity of the disc")
     page = (folder / "record.html").read_text()
     assert "steady value" in page
     assert "http" not in page.split("<script")[0].replace("http-equiv", "")

@@ -52,6 +52,7 @@ def test_how_hot_it_gets_as_a_contact_of_an_array_says() -> None:
     }
     assert 2.0 < hot.mean < hot.largest < WARM
     assert text.endswith(f"; {hot.largest:.2g} K hotter at most: temperature plays no part")
+    assert not any("hotter" in warning for warning in summary["warnings"])
 
 
 def test_constants_of_a_material_are_told_as_such() -> None:
@@ -67,6 +68,11 @@ def test_what_is_no_longer_small() -> None:
     summary, text = told(sliding__speed="2 m/s")
     assert summary["flash_K"]["largest"] > WARM
     assert text.endswith(" K hotter at most: too hot for constants of room temperature")
+    told_of = [text for text in summary["warnings"] if "hotter" in text]
+    assert told_of == [
+        f"The contact gets {summary['flash_K']['largest']:.2g} K hotter at most, which is no longer small: "
+        "hardness, friction and wear are those of room temperature."
+    ]
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import DEVICE, PATH, together
+from warpwear.cli.options import DEVICE, PATH, repeated, together
 from warpwear.cli.places import joints, written
-from warpwear.cli.study import CHANGES, parsed_changes
+from warpwear.cli.study import parsed_changes
 from warpwear.cli.surface import prepared, with_preparation
 from warpwear.errors import InputError
 
@@ -41,7 +41,9 @@ def joint(surface: Path, **options: Any) -> None:
 @click.command()
 @click.option("--load", required=True, help="A force, '5 N', or of a plane a mean pressure, '10 MPa'.")
 @BODIES
-@CHANGES
+@repeated(
+    "--set", "KEY=VALUE", "A key of [counter]: counter.radius='3 mm', counter.material='PEEK'.", "changes"
+)
 @click.option("--flow", is_flag=True, help="Find what flows through the gap, too.")
 @click.option("--stresses", is_flag=True, help="Find the stresses below the surface, too.")
 def contact(surface: Path, changes: tuple[str, ...], **options: Any) -> None:

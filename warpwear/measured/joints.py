@@ -53,8 +53,8 @@ HEADS = {name: f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()}
 KEYS = (*Shape.model_fields, "material")
 #: Numbers in the order in which they are told: label, unit where the name does not end with it, attribute.
 SHOWN = DECLARED["contact"]["rows"]
-#: Depths below the surface at which stresses are computed, and rows of their map.
-DEPTHS, ROWS = 32, 200
+#: Depths below the surface at which stresses are computed, rows of their map, and radii of a mean spot down.
+DEPTHS, ROWS, DEEPEST = 32, 200, 3.0
 
 Table = Mapping[str, FloatArray]
 
@@ -197,7 +197,7 @@ def joint_curve(
 def measured_contact(
     path: str | Path,
     *,
-    load: str,
+    load: float | str,
     material: str,
     counter: Mapping[str, Any] | None = None,
     against: str | Path | None = None,
@@ -214,7 +214,7 @@ def measured_contact(
     path
         File of a measured surface.
     load
-        A force, "5 N", or on a plane and another surface a mean pressure, "10 MPa".
+        A force [N], or text, "5 N"; on a plane and another surface a mean pressure, "10 MPa", too.
     material
         Name of a known material, see `materials`.
     counter
@@ -248,9 +248,9 @@ def measured_contact(
     >>> np.save("lapped.npy", np.random.default_rng(0).normal(0.0, 0.1, (64, 64)))
     >>> lapped = {"pixel": "2 um", "height_unit": "um", "s_filter": 0.016}
     >>> ball = {"radius": "3 mm", "material": "AISI 52100"}
-    >>> under = warpwear.measured_contact("lapped.npy", load="1 N", material="PEEK", counter=ball, **lapped)
-    >>> round(under.numbers["hertz_radius_um"], 1)
-    0.0
+    >>> under = warpwear.measured_contact("lapped.npy", load=0.01, material="PEEK", counter=ball, **lapped)
+    >>> round(under.numbers["hertz_radius_um"], 2), under.contact.boundary
+    (16.89, 'free')
     """
     body = counter_of(counter or {})
     form, pair = body.form, [known(material), known(body.material or material)]
@@ -453,7 +453,7 @@ def counter_of(keys: Mapping[str, Any]) -> CounterBody:
         raise InputError(sentence(error, PressedOn)) from None
 
 
-def load_of(text: str, *, plane: bool) -> tuple[str, float]:
+def load_of(text: float | str, *, plane: bool) -> tuple[str, float]:
     """Return what a load is to `solve_contact`, and how much [N, MPa]. Raises InputError."""
     for name, unit in (("load", "N"), ("mean_pressure", "MPa"))[: 1 + plane]:
         with suppress(InputError):
@@ -495,17 +495,19 @@ def stresses_of(contact: ArrayContact, body: Material) -> tuple[dict[str, Figure
 
     Dashed: a third of the hardness, at which it yields (Tabor 1951).
     """
-    part, (low, high, *_) = view(contact)
-    depths = np.append(0.0, np.geomspace(0.5 * contact.cell, 0.5 * (high - low), DEPTHS))
+    cell, spots = contact.cell, ndimage.label(contact.pressure > 0.0)[1]
+    deepest = DEEPEST * math.sqrt(contact.area / (math.pi * spots))
+    depths = np.append(0.0, np.geomspace(0.5 * cell, deepest, DEPTHS))
     below = (pressing.stresses(contact, depth, poisson=body.poisson).mises[0] for depth in depths)
-    mises = np.stack([stress[part].astype(np.float32) for stress in below])
-    k, _, j = np.unravel_index(int(mises.argmax()), mises.shape)
-    largest, limit = mises.max(axis=(1, 2)), body.hardness / 3.0
-    levels = np.linspace(depths[-1], 0.0, ROWS)
-    plane = np.array([np.interp(levels, depths, column) for column in mises[:, :, j].T])
+    mises = np.stack([stress.astype(np.float32) for stress in below])
+    k, i, j = np.unravel_index(int(mises.argmax()), mises.shape)
+    largest, limit, beside = mises.max(axis=(1, 2)), body.hardness / 3.0, math.ceil(0.7 * deepest / cell)
+    low, high = max(i - beside, 0), min(i + beside + 1, mises.shape[1])
+    levels = np.linspace(deepest, 0.0, ROWS)
+    plane = np.array([np.interp(levels, depths, column) for column in mises[:, low:high, j].T])
     label, dashed = "von Mises' stress, MPa", Look(describe.HARDNESS, "dash", 0.8)
     regions = [(plane > limit, dashed)] if largest[k] > limit else []
-    scale, extent = Scale(label, 0.0, float(largest[k])), (low, high, -depths[-1], 0.0)
+    scale, extent = Scale(label, 0.0, float(largest[k])), (low * cell, high * cell, -deepest, 0.0)
     section = Map("Below the surface", [plane], extent, scale, regions=regions, x="x, mm", y="−z, mm")
     drawn = [Line(depths, largest), Level(limit, look=dashed)]
     chart = Chart("Largest of each depth", Axis("depth, mm", low=0.0), Axis(label, low=0.0), drawn)
