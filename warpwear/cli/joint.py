@@ -56,7 +56,7 @@ def contact(surface: Path, changes: tuple[str, ...], **options: Any) -> None:
     Areas, pressures, gaps, spots, stiffness and conductance, with maps, what wider cells change and, of
     smooth bodies, Hertz's contact.
     """
-    counter = {key.removeprefix("counter."): value for key, value in parsed_changes(changes).items()}
+    counter = {key.removeprefix("counter."): str(of) for key, of in parsed_changes(changes).items()}
     _tell(joints.measured_contact, joints.MeasuredContact, surface, options | {"counter": counter})
 
 

@@ -6,16 +6,14 @@ import warnings
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
-from pydantic import ValidationError
 
 from warpwear import lazy
-from warpwear.contact.array.arguments import FORM_KEYS
+from warpwear.contact.array.arguments import FORM_KEYS, counter_of
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.solve import solve_contact
 from warpwear.errors import InputError, named_in_python
@@ -24,20 +22,18 @@ from warpwear.figures.describe import Axis, Chart, Ends, Figure, Level, Line, Lo
 from warpwear.grid import FloatArray, Grid, box_of
 from warpwear.history.verdict import OF_PERIMETER, sides_of
 from warpwear.laws.elastic import Hertz, asperities, effective_modulus
+from warpwear.laws.form import Form
 from warpwear.measured.options import quantity
 from warpwear.measured.report import FileReport, FolderReport, paged
 from warpwear.measured.surface import HowToRead, read_surface
 from warpwear.measured.surface_report import MeasuredSurface
 from warpwear.results.report import Row, aligned, finite, lines
-from warpwear.study.bodies import CounterBody, Shape
-from warpwear.study.keys import Section, check_keys
 from warpwear.study.materials import Material
 from warpwear.study.materials import material as known_material
-from warpwear.study.text import sentence
+from warpwear.study.units import Range
 from warpwear.surfaces.roughness import rms_slope
 
-ndimage = lazy.module("scipy.ndimage")
-pressing = lazy.module("warpwear.contact.stress.stresses")
+ndimage, pressing = lazy.module("scipy.ndimage"), lazy.module("warpwear.contact.stress.stresses")
 
 #: Loads of a range, and columns that are printed.
 LOADS, PRINTED = 13, 6
@@ -49,8 +45,8 @@ DECLARED = tomllib.loads((files("warpwear.measured") / "joint.toml").read_text(e
 FLOWS = [name for name in DECLARED["columns"] if "flow" in name]
 HEADS = {name: f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()}
 
-#: Keys of [counter] that one contact has.
-KEYS = (*Shape.model_fields, "material")
+#: Lengths of a counter-body: a sharp edge has none, a flat an infinite one.
+RADII = Range(or_equal=True, infinite=True)
 #: Numbers in the order in which they are told: label, unit where the name does not end with it, attribute.
 SHOWN = DECLARED["contact"]["rows"]
 #: Depths below the surface at which stresses are computed, rows of their map, and radii of a mean spot down.
@@ -76,6 +72,9 @@ class JointCurve(FileReport, FolderReport):
     table: Table
     figures: Mapping[str, Figure]
 
+    def _declared(self) -> Figure:
+        return next(iter(self.figures.values()))
+
     def write_table(self, path: str | Path) -> None:
         """Write the table as CSV, a row a load, units in the header.
 
@@ -92,15 +91,6 @@ class JointCurve(FileReport, FolderReport):
         page = DECLARED[self.MARK.removesuffix(".json")]
         name, said = self.text.partition("\n")[0], {"lines": lines(self.rows), "how": page["how"]}
         return paged(self, self.figures, page["sections"], self.write_table, name=name, **said)
-
-
-class PressedOn(Section):
-    """The section [counter] of a contact, whose other body is a measured surface."""
-
-    counter: CounterBody
-
-    def _check(self) -> None:
-        check_keys(self)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -182,15 +172,13 @@ def joint_curve(
     rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
     heads = [*HEADS.values()]
-    rows.append(Row("", "table", {head: list(at) for head, at in zip(heads, table.values(), strict=True)}))
+    rows.append(Row("", "table", dict(zip(heads, map(list, table.values()), strict=True))))
     other = Path(against).name if against else "a smooth plane"
     shown = [row[:PRINTED] for row in [heads, *cells]] if len(cells) > 1 else zip(heads, *cells, strict=True)
     of_loads = [f"  {line}" for line in aligned([*shown])]
     text = "\n".join([f"joint of {Path(path).name} and {other}", *lines(rows), *of_loads])
     figures = figures_of(table, coarse, last)
-    return JointCurve(
-        text=text, rows=rows, draw=lambda: next(iter(figures.values())), table=table, figures=figures
-    )
+    return JointCurve(text=text, rows=rows, table=table, figures=figures)
 
 
 @named_in_python()
@@ -218,8 +206,8 @@ def measured_contact(
     material
         Name of a known material, see `materials`.
     counter
-        Keys of a study's [counter]: its form, shape, radius, diameter, radius_along, radius_across and
-        edge_radius, without which it is a plane; and its material, by default the same.
+        Keys of a study's [counter]: its form, shape, radius, radius_along, radius_across and edge_radius,
+        without which it is a plane; and its material, by default the same.
     against
         File of another surface instead, turned over about x.
     hardness
@@ -252,32 +240,31 @@ def measured_contact(
     >>> round(under.numbers["hertz_radius_um"], 2), under.contact.boundary
     (16.89, 'free')
     """
-    body = counter_of(counter or {})
-    form, pair = body.form, [known(material), known(body.material or material)]
-    by, amount = load_of(load, plane=form.is_flat)
+    keys = dict(counter or {})
+    pair = [known(material), known(keys.pop("material", material))]
+    radii = {k: quantity(f"counter.{k}", keys[k], "mm", allowed=RADII) for k in FORM_KEYS if k in keys}
+    form: Any = counter_of(keys | radii or None, counter_radius=None, shape=(0, 0))
+    by, amount = load_of(load, plane=form is None)
     given: dict[str, Any] = {"by": by, "flow": flow, "device": device}
-    if not form.is_flat:
+    other = Path(against).name if against else "a smooth plane"
+    if form is not None:
         if flow or against is not None:
-            option = "--flow" if flow else "--against"
-            raise InputError(f"{option} does not go with a {body.title}: a surface that repeats is allowed")
-        given["counter"] = {key: getattr(body, key) for key in counter or () if key in ("shape", *FORM_KEYS)}
-        given["counter"]["radius"] = body.nominal_radius
-        given["boundary"] = "line" if form.rises == (True, False) else "free"
+            raise InputError(f"{'--flow' if flow else '--against'} and a counter-body exclude each other")
+        given |= {"counter": keys | radii, "boundary": "line" if form.rises == (True, False) else "free"}
+        other = f"a {keys.get('shape', 'ball')}, {', '.join(f'{key} {mm:g} mm' for key, mm in radii.items())}"
     surfaces = [read_surface(file, **how) for file in (path, against) if file is not None]
     rows, columns, _, contact = pressed(surfaces, np.array([amount]), pair, hardness, **given)
-    values = numbers_of(contact, {name: float(column[0]) for name, column in columns.items()}, body)
+    values = numbers_of(contact, {name: float(column[0]) for name, column in columns.items()}, form)
     drawn, below = stresses_of(contact, pair[0]) if stresses else ({}, {})
     figures, values = fields_of(contact) | drawn, values | below
     told = {name: finite(value) for name, value in values.items()}
     own = [Row(said["label"], key, told.get(key), unit=said.get("unit")) for key, said in SHOWN.items()]
     own[0] = replace(own[0], error=told["area_corrected_error_mm2"])
-    other = Path(against).name if against else "a smooth plane" if form.is_flat else f"a {body.title}"
     undefined = [text for key, text in DECLARED["undefined"].items() if told.get(key) is None]
     rows = [*own, *rows, Row("has no meaning", "undefined", undefined or None)]
     text = "\n".join([f"contact of {Path(path).name} and {other}", *lines(rows)])
-    draw = partial(figures.__getitem__, "pressure_map")
     table = {name: np.array([value]) for name, value in values.items()}
-    return MeasuredContact(text=text, rows=rows, draw=draw, table=table, figures=figures, contact=contact)
+    return MeasuredContact(text=text, rows=rows, table=table, figures=figures, contact=contact)
 
 
 def known(name: str) -> Material:
@@ -440,19 +427,6 @@ def fields_of(contact: ArrayContact) -> dict[str, Figure]:
     return figures
 
 
-def counter_of(keys: Mapping[str, Any]) -> CounterBody:
-    """Return the body of keys of [counter], a plane without a form. Raises InputError."""
-    for key, value in keys.items():
-        if key not in KEYS or value == "measured":
-            allowed = ", ".join(f"counter.{name}" for name in KEYS)
-            raise InputError(f"{key} = {value!r}: allowed are {allowed}; a measured body is --against")
-    plane = {} if keys.keys() & Shape.model_fields else {"radius": "inf mm"}
-    try:
-        return PressedOn(counter={**keys, **plane}).counter
-    except ValidationError as error:
-        raise InputError(sentence(error, PressedOn)) from None
-
-
 def load_of(text: float | str, *, plane: bool) -> tuple[str, float]:
     """Return what a load is to `solve_contact`, and how much [N, MPa]. Raises InputError."""
     for name, unit in (("load", "N"), ("mean_pressure", "MPa"))[: 1 + plane]:
@@ -461,12 +435,12 @@ def load_of(text: float | str, *, plane: bool) -> tuple[str, float]:
     raise InputError(f"--load = {text!r}: allowed are a force, '5 N', and of a plane a pressure, '10 MPa'")
 
 
-def numbers_of(contact: ArrayContact, at: Mapping[str, float], body: CounterBody) -> dict[str, float]:
+def numbers_of(contact: ArrayContact, at: Mapping[str, float], form: Form | None) -> dict[str, float]:
     """Return the numbers of a contact by name, NaN where one has none. at: its columns of `press`."""
-    area, form, cell = contact.nominal_area, body.form, contact.cell
+    area, cell, curved = contact.nominal_area, contact.cell, form and (form.along or form.across)
     touches, approach = contact.pressure > 0.0, 1e3 * contact.approach
     # Towards the edge of a pin pressures do not fall to zero.
-    over = math.nan if body.shape == "pin" else OF_PERIMETER * sides_of(touches) * cell**2
+    over = math.nan if form and not curved else OF_PERIMETER * sides_of(touches) * cell**2
     values = {key: float(getattr(contact, said["of"])) for key, said in SHOWN.items() if "of" in said}
     values |= {key: area * at[name] * by for key, (name, by) in DECLARED["contact"]["totals"].items()}
     values |= {
@@ -481,7 +455,7 @@ def numbers_of(contact: ArrayContact, at: Mapping[str, float], body: CounterBody
     if contact.boundary == "periodic":
         values |= {"area_nominal_mm2": area, "gap_um": at["gap"]}
         values |= {head: at[name] for name, head in HEADS.items() if head in SHOWN}
-    if body.has_hertz:
+    if form and curved:
         along, across = (1.0 / rise if rise else math.inf for rise in (form.along, form.across))
         length = cell * contact.pressure.shape[1 if form.along else 0]
         hertz = Hertz(contact.modulus or math.nan, along, contact.load, across, length)
@@ -500,7 +474,7 @@ def stresses_of(contact: ArrayContact, body: Material) -> tuple[dict[str, Figure
     depths = np.append(0.0, np.geomspace(0.5 * cell, deepest, DEPTHS))
     below = (pressing.stresses(contact, depth, poisson=body.poisson).mises[0] for depth in depths)
     mises = np.stack([stress.astype(np.float32) for stress in below])
-    k, i, j = np.unravel_index(int(mises.argmax()), mises.shape)
+    k, i, j = (int(at) for at in np.unravel_index(int(mises.argmax()), mises.shape))
     largest, limit, beside = mises.max(axis=(1, 2)), body.hardness / 3.0, math.ceil(0.7 * deepest / cell)
     low, high = max(i - beside, 0), min(i + beside + 1, mises.shape[1])
     levels = np.linspace(deepest, 0.0, ROWS)
@@ -509,8 +483,8 @@ def stresses_of(contact: ArrayContact, body: Material) -> tuple[dict[str, Figure
     regions = [(plane > limit, dashed)] if largest[k] > limit else []
     scale, extent = Scale(label, 0.0, float(largest[k])), (low * cell, high * cell, -deepest, 0.0)
     section = Map("Below the surface", [plane], extent, scale, regions=regions, x="x, mm", y="−z, mm")
-    drawn = [Line(depths, largest), Level(limit, look=dashed)]
+    drawn = Line(depths, largest), Level(limit, look=dashed)
     chart = Chart("Largest of each depth", Axis("depth, mm", low=0.0), Axis(label, low=0.0), drawn)
-    figures = {"stress_map": [section], "stress_depths": [chart]}
+    figures = [Figure([panel], 1, width=describe.COLUMN) for panel in (section, chart)]
     numbers = {"mises_max_MPa": largest[k], "mises_depth_um": 1e3 * depths[k], "yield_MPa": limit}
-    return {name: Figure(panels, 1, width=describe.COLUMN) for name, panels in figures.items()}, numbers
+    return dict(zip(("stress_map", "stress_depths"), figures, strict=True)), numbers
