@@ -49,8 +49,8 @@ HEADS = {name: f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()}
 RADII = Range(or_equal=True, infinite=True)
 #: Numbers in the order in which they are told: label, unit where the name does not end with it, attribute.
 SHOWN = DECLARED["contact"]["rows"]
-#: Depths below the surface at which stresses are computed, rows of their map, and radii of a mean spot down.
-DEPTHS, ROWS, DEEPEST = 32, 200, 3.0
+#: Depths below the surface at which stresses are computed, down to radii of the largest spot; rows of a map.
+DEPTHS, DEEPEST, ROWS = 32, 3.0, 200
 
 Table = Mapping[str, FloatArray]
 
@@ -261,7 +261,7 @@ def measured_contact(
     own = [Row(said["label"], key, told.get(key), unit=said.get("unit")) for key, said in SHOWN.items()]
     own[0] = replace(own[0], error=told["area_corrected_error_mm2"])
     undefined = [text for key, text in DECLARED["undefined"].items() if told.get(key) is None]
-    rows = [*own, *rows, Row("has no meaning", "undefined", undefined or None)]
+    rows = [*own, *rows[:-1], Row("has no meaning", "undefined", undefined or None), rows[-1]]
     text = "\n".join([f"contact of {Path(path).name} and {other}", *lines(rows)])
     table = {name: np.array([value]) for name, value in values.items()}
     return MeasuredContact(text=text, rows=rows, table=table, figures=figures, contact=contact)
@@ -469,8 +469,8 @@ def stresses_of(contact: ArrayContact, body: Material) -> tuple[dict[str, Figure
 
     Dashed: a third of the hardness, at which it yields (Tabor 1951).
     """
-    cell, spots = contact.cell, ndimage.label(contact.pressure > 0.0)[1]
-    deepest = DEEPEST * math.sqrt(contact.area / (math.pi * spots))
+    cell, spots = contact.cell, ndimage.label(contact.pressure > 0.0)[0]
+    deepest = DEEPEST * cell * math.sqrt(np.bincount(spots.ravel())[1:].max() / math.pi)
     depths = np.append(0.0, np.geomspace(0.5 * cell, deepest, DEPTHS))
     below = (pressing.stresses(contact, depth, poisson=body.poisson).mises[0] for depth in depths)
     mises = np.stack([stress.astype(np.float32) for stress in below])
