@@ -2,20 +2,27 @@
 
 Prints the tables of docs/validation/joints.md: conductance over the plastic and the elastic line for spectra,
 and from plastic to elastic by H/(E* g). Surfaces are Gaussian, periodic, of an area of 1 and an E* of 1.
-`--seconds` prints instead what the outputs of a joint cost beside its contact, on pinned cores.
+`--seconds` prints instead what the outputs of a joint cost beside its contact, on pinned cores, and
+`--peer PYTHON` the stiffness beside two loads of tamaas, where the interpreter PYTHON has it.
 """
 
 import argparse
+import json
 import math
 import os
+import subprocess
+import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy import signal
 
 import warpwear
+from warpwear.laws.elastic import joint_laws
 
 #: Longest wave, roll-off (0: none), shortest wave in cells, Hurst exponent, over the side.
 SPECTRA = [
@@ -27,6 +34,10 @@ SPECTRA = [
     (0.125, 0.0, 32, 0.8),
 ]
 RATIOS = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, math.inf)
+CROSSING = {"longest": 0.5, "roll_off": 1 / 8, "cut_off": 16, "hurst": 0.8}
+#: Mean pressures over E* beside the peer, on surfaces of a gradient of 0.1; its two loads lie that far apart.
+PEER_LOADS = (0.0005, 0.002, 0.01)
+PEER_STEP = 1e-3
 
 
 def surface(
@@ -57,18 +68,17 @@ def over_lines(heights: np.ndarray, sigma: float, g: float, pressure: float, har
         g * heights, cell=1.0 / len(heights), mean_pressure=pressure, modulus=1.0,
         hardness=hardness, boundary="periodic", tolerance=1e-5,
     )  # fmt: skip
-    m, length = g / math.sqrt(math.pi), contact.conductance()
-    plastic = 1.25 * m / (g * sigma) * (pressure / hardness) ** 0.95
-    elastic = 1.55 * m / (g * sigma) * (math.sqrt(2.0) * pressure / m) ** 0.94
-    at = contact.area_at_hardness / contact.area
-    return [length / plastic if plastic else math.nan, length / elastic, at, contact.area * g / pressure]
+    laws = joint_laws(np.array(pressure), sq=g * sigma, slope=g, hardness=hardness, modulus=1.0)
+    length, at = contact.conductance(), contact.area_at_hardness / contact.area
+    over = [length / float(laws.get(name, math.nan)) for name in ("plastic", "elastic")]
+    return [*over, at, contact.area * g / pressure]
 
 
 def bearing(heights: np.ndarray, sigma: float, part: float) -> float:
     """Conductance over the plastic line of the bearing area."""
     contact = warpwear.solve_contact(heights, cell=1.0 / len(heights), mean_pressure=part, hardness=1.0)
-    line = 1.25 / math.sqrt(math.pi) / sigma * part**0.95
-    return contact.conductance(boundary="periodic") / line
+    line = joint_laws(np.array(part), sq=sigma, slope=1.0, hardness=1.0, modulus=1.0)["plastic"]
+    return contact.conductance(boundary="periodic") / float(line)
 
 
 def main(n: int, crossing: int, seeds: int) -> None:
@@ -83,15 +93,56 @@ def main(n: int, crossing: int, seeds: int) -> None:
         ]
         texts = ["  ".join(map(shown, rows)) for rows in (plastic, elastic)]
         print(f"| {longest:g}, {roll_off:g}, {cut_off}, {hurst:g} | {texts[0]} | {texts[1]} |", flush=True)
+    print(on_two_meshes(n // 2), flush=True)
     print("\n| H/(E* g) | share at H | G/plastic line | G/elastic line | A E* g/p |\n|---|---|---|---|---|")
-    like = {"longest": 0.5, "roll_off": 1 / 8, "cut_off": 16, "hurst": 0.8}
-    made = [surface(crossing, 100 + seed, **like) for seed in range(seeds)]
+    made = [surface(crossing, 100 + seed, **CROSSING) for seed in range(seeds)]
     for ratio in RATIOS:
         rows = np.array([over_lines(*one, 0.1, 0.1 * 0.01, 0.1 * ratio) for one in made])
         plastic, elastic, at, area = (list(column) for column in rows.T)
         print(
             f"| {ratio:g} | {shown(at)} | {shown(plastic)} | {shown(elastic)} | {shown(area)} |", flush=True
         )
+
+
+def on_two_meshes(n: int) -> str:
+    """What cells half as wide change of the conductance of one surface [%]."""
+    coarse, sigma = surface(n, 0, longest=0.25, roll_off=0.0, cut_off=32, hurst=0.8)
+    fine = signal.resample(signal.resample(coarse, 2 * n, axis=0), 2 * n, axis=1)
+    cases = {"elastic, p/(E* g) .005": (over_lines, 0.1, 0.0005, math.inf)}
+    cases["capped, H/(E* g) .3"] = (over_lines, 0.1, 0.0005, 0.03)
+    cases |= {f"hardness alone, P/H {part:g}": (bearing, part) for part in (0.003, 0.03)}
+    changes = []
+    for name, (over, *given) in cases.items():
+        before, after = (np.ravel(over(heights, sigma, *given)) for heights in (coarse, fine))
+        at = 1 if over is over_lines else 0
+        changes.append(f"{name}: {100.0 * (before[at] / after[at] - 1.0):.2f} %")
+    return f"\nOne surface on {n}² beside {2 * n}² cells: {'; '.join(changes)}"
+
+
+def beside_tamaas(interpreter: str) -> None:
+    """Stiffness beside the slope of tamaas' load over its mean gap, and both programs' area and gap."""
+    print("| cells | p/E* | stiffness here, by tamaas | off | area here, by tamaas | mean gap, off |")
+    print("|---|---|---|---|---|---|")
+    for n in (256, 512):
+        heights = 0.1 * surface(n, 0, **CROSSING)[0]
+        asked = [load * (1.0 + side * PEER_STEP) for load in PEER_LOADS for side in (-1, 0, 1)]
+        with tempfile.TemporaryDirectory() as folder:
+            np.save(path := Path(folder) / "heights.npy", heights)
+            script = Path(__file__).parent / "contenders" / "mean_gaps.py"
+            command = [interpreter, str(script), str(path), *map(repr, asked)]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            return print(f"tamaas is left out: {(done.stderr.strip().splitlines() or ['no word'])[-1]}")
+        told = json.loads(done.stdout)
+        for load, less, at, more in zip(PEER_LOADS, *(told["found"][i::3] for i in range(3)), strict=True):
+            contact = warpwear.solve_contact(heights, cell=1.0 / n, mean_pressure=load, modulus=1.0)
+            slope, stiffness = 2.0 * PEER_STEP * load / (less[0] - more[0]), contact.stiffness()
+            gap = float(np.maximum(contact.gap, 0.0).mean())
+            print(
+                f"| {n}² | {load:g} | {stiffness:.5f}, {slope:.5f} | {stiffness / slope - 1.0:.0e} "
+                f"| {contact.area:.5f}, {at[1]:.5f} | {gap:.6g}, {gap / at[0] - 1.0:.0e} |", flush=True
+            )  # fmt: skip
+    print(f"by tamaas {told['version']}, PolonskyKeerRey")
 
 
 def pin(threads: int) -> None:
@@ -130,7 +181,7 @@ def seconds(n: int, device: str, threads: int, turns: int) -> None:
     print(f"{n} x {n}, {device}, {threads} threads, least of {turns} turns; version, time and load: {load}\n")
     print("| what | processor s | wall s | first wall s | over contact: processor | wall | transforms |")
     print("|---|---|---|---|---|---|---|")
-    heights, _ = surface(n, 100, longest=0.5, roll_off=1 / 8, cut_off=16, hurst=0.8)
+    heights, _ = surface(n, 100, **CROSSING)
     wanted = {"elastic": (0.01, math.inf), "capped": (0.01, 0.47)}
     if is_cpu:
         wanted |= {"elastic, sparse": (0.002, math.inf), "elastic, dense": (0.1, math.inf)}
@@ -163,12 +214,15 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sizes", nargs="*", type=int, help="cells of both tables, and seeds: 1024 512 5")
     parser.add_argument("--seconds", action="store_true", help="print what the outputs cost instead")
+    parser.add_argument("--peer", metavar="PYTHON", help="set the stiffness beside tamaas instead")
     parser.add_argument("--size", type=int, default=1024)
     parser.add_argument("--device", default="cpu")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--turns", type=int, default=5)
     given = parser.parse_args()
-    if given.seconds:
+    if given.peer:
+        beside_tamaas(given.peer)
+    elif given.seconds:
         seconds(given.size, given.device, given.threads, given.turns)
     else:
         main(*(given.sizes or (1024, 512, 5)))

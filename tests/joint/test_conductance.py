@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_half_space import rough
-from scipy import sparse
+from scipy import sparse, special
 from scipy.sparse import linalg
 
 import warpwear
@@ -14,6 +14,7 @@ from warpwear.contact.half_space.influence import BOUNDARIES, free_coefficients,
 from warpwear.contact.joint.conductance import FINE, TOLERANCE, Conduction, conduction
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.laws.elastic import joint_laws
 
 pytestmark = pytest.mark.transforms
 
@@ -100,6 +101,21 @@ def test_spots_of_a_lattice_conduct_less_than_alone() -> None:
         across = math.sqrt(math.pi) * math.sqrt(np.count_nonzero(disc(256, radius)) / math.pi) / 256
         tube = 1.0 - 1.40978 * across + 0.34406 * across**3
         assert 2.0 * across / math.sqrt(math.pi) / found.length == pytest.approx(tube, rel=0.02)
+
+
+def test_laws_of_joints_are_powers_through_the_models_that_they_are_of() -> None:
+    """Gaussian heights of σ 1 and mean slope 1, cut at λ √2; elastic spots have half of the area of the cut.
+
+    A spot of radius a conducts 2a/(1 − ε)^1.5 in its tube, and how many there are follows from the slopes.
+    """
+    touching = np.geomspace(1e-5, 0.023, 30)
+    over = {"slope": math.sqrt(math.pi), "sq": 1.0, "hardness": 1.0, "modulus": math.sqrt(2.0)}
+    laws = joint_laws(touching, **over)
+    for name, part, allowed in (("plastic", 1.0, 0.016), ("elastic", 0.5, 0.025)):
+        depth = special.erfcinv(2.0 * touching / part)
+        spots = np.exp(-(depth**2)) * math.sqrt(part / (8.0 * math.pi))
+        assert laws[name] == pytest.approx(spots / (1.0 - np.sqrt(touching)) ** 1.5, rel=allowed)
+    assert [*joint_laws(touching, **(over | {"hardness": math.inf}))] == ["elastic"]
 
 
 def test_a_hertzian_spot_conducts_its_diameter(device: str) -> None:

@@ -63,6 +63,34 @@ def test_one_load_is_shown_by_its_fields(surface: Path) -> None:
     assert "\n  nominal_flow_across [1] " in joint.text
 
 
+def test_laws_stand_beside_the_conductance_and_what_was_done_to_the_surface_is_said(
+    surface: Path, tmp_path: Path
+) -> None:
+    """By the rms height and slope of the heights that are pressed; steep slopes are told."""
+    heights = 60.0 * np.load(surface)
+    heights[3, 4] = np.nan
+    np.save(tmp_path / "steep.npy", heights)
+    joint = warpwear.joint_curve(tmp_path / "steep.npy", load="1, 100 MPa", material="AISI 304", **HOW)
+    lines = {line.label: line for line in joint.figures["conductance"].panels[0].lines}
+    made = warpwear.read_surface(tmp_path / "steep.npy", **HOW)
+    mean = made.numbers["rms_slope"] / np.sqrt(np.pi)
+    plastic = 1.25e3 * mean / made.numbers["sq_um"] * (np.array([1.0, 100.0]) / 1520.0) ** 0.95
+    assert lines["plastic, Cooper, Mikic, Yovanovich (1969)"].y == pytest.approx(plastic, rel=1e-3)
+    assert "elastic, Mikic (1974)" in lines
+    assert "of cells of 2 µm: half-spaces are for small slopes\n" in joint.text
+    assert "1 missing point" in " ".join(joint.numbers["operations"])
+
+
+def test_a_number_is_a_load_and_a_flat_conducts_without_bound(tmp_path: Path) -> None:
+    np.save(tmp_path / "flat.npy", np.zeros((32, 32)))
+    joint = warpwear.joint_curve(tmp_path / "flat.npy", load=5.0, material="AISI 304", **HOW)
+    assert joint.table["pressure"] == [5.0]
+    assert joint.table["conductance"] == [np.inf]
+    two = warpwear.joint_curve(tmp_path / "flat.npy", load="1, 5 MPa", material="AISI 304", **HOW)
+    assert not {"conductance", "stiffness"} & {*two.figures}
+    assert two.numbers["operations"][1].startswith("flat")
+
+
 def test_a_gap_of_too_many_cells_has_no_flow(surface: Path, host_with: Any) -> None:
     host_with(2**22)
     joint = warpwear.joint_curve(surface, load="1, 20 MPa", material="AISI 304", **HOW)
@@ -118,15 +146,21 @@ def test_the_command_prints_and_writes(
         ({"load": "100:1 MPa"}, "load = '100:1 MPa': allowed are '0.1:100 MPa'"),
         ({"load": "1:2:3 MPa"}, "allowed are"),
         ({"load": "5 N"}, "load = '5 N'"),
-        ({"load": "5000 MPa"}, "is not possible; with all cells at the hardness"),
-        ({"material": "cheese"}, "no material 'cheese' is known"),
+        ({"load": "1:5000 MPa"}, "load = 5000 MPa: up to the hardness, 1520 MPa, is allowed"),
+        ({"load": "words"}, "load = 'words': is not one number"),
+        ({"load": "1, 0 MPa"}, "load = '0 MPa': must be greater than 0 MPa"),
+        ({"load": [1, 2]}, "load = '[1 MPa': is not"),
+        ({"material": "cheese"}, "material: no material 'cheese' is known"),
+        ({"against_material": "cheese"}, "against_material: no material 'cheese' is known"),
+        ({"hardness": "inf MPa"}, "hardness = 'inf MPa': must be finite"),
+        ({"crop": 0.006}, "a joint of 2 × 2 cells is not possible: 16 each way are the least"),
         ({"hardness": "soft"}, "hardness = 'soft'"),
     ],
 )
-def test_what_is_not_possible_is_said(surface: Path, changed: dict[str, str], sentence: str) -> None:
-    given = {"load": "10 MPa", "material": "AISI 304"} | changed
+def test_what_is_not_possible_is_said(surface: Path, changed: dict[str, Any], sentence: str) -> None:
+    given = {"load": "10 MPa", "material": "AISI 304", **HOW, **changed}
     with pytest.raises(InputError) as refused:
-        warpwear.joint_curve(surface, **given, **HOW)
+        warpwear.joint_curve(surface, **given)
     assert sentence in str(refused.value)
 
 

@@ -64,6 +64,25 @@ def asperities(hardness: float, modulus: float | None, slope: float) -> tuple[fl
     return ratio, "elastic" if ratio >= STAY_ELASTIC else "partly plastic"
 
 
+def joint_laws(
+    pressures: FloatArray, *, sq: float, slope: float, hardness: float, modulus: float
+) -> dict[str, FloatArray]:
+    """Return the conductance [1/mm] of a joint by power laws of asperities that flow, and of elastic ones.
+
+    sq: rms height [mm]; slope: rms gradient, √π times the mean slope of a Gaussian profile. A law without a
+    value is left out: both of a flat, the plastic one without a hardness.
+
+    Of Cooper, Mikic, Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279, the power is Yovanovich's of 1982;
+    elastic: Mikic, Int. J. Heat Mass Transfer 17 (1974) 205.
+    """
+    if not slope:
+        return {}
+    mean = slope / math.sqrt(math.pi)
+    plastic = 1.25 * mean / sq * (pressures / hardness) ** 0.95
+    elastic = 1.55 * mean / sq * (math.sqrt(2.0) * pressures / (modulus * mean)) ** 0.94
+    return {"plastic": plastic, "elastic": elastic} if math.isfinite(hardness) else {"elastic": elastic}
+
+
 @dataclass(frozen=True)
 class Hertz(Scales):
     """A smooth elastic counter-body is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2).

@@ -21,7 +21,7 @@ from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Ends, Figure, Level, Line, Look, Map, Scale
 from warpwear.grid import FloatArray, Grid, box_of
 from warpwear.history.verdict import OF_PERIMETER, sides_of
-from warpwear.laws.elastic import Hertz, asperities, effective_modulus
+from warpwear.laws.elastic import Hertz, asperities, effective_modulus, joint_laws
 from warpwear.laws.form import Form
 from warpwear.measured.options import quantity
 from warpwear.measured.report import FileReport, FolderReport, paged
@@ -40,6 +40,12 @@ LOADS, PRINTED = 13, 6
 #: What is told of cells twice as wide; bins of a histogram.
 CHANGED = ("conductance", "stiffness_unloading", "area", "flow_along")
 BINS = 40
+#: Cells each way from which on there is a joint to speak of: four waves of four cells.
+FEWEST = 16
+#: Rms slope from which it is told: the surface is 4 % larger than its nominal area.
+STEEP = 0.3
+#: Lines that are drawn beside, other than that of wider cells.
+LAWS = {"plastic": Look(describe.NOMINAL, "dash", 0.8), "elastic": Look(describe.NOMINAL, "dashdot", 0.8)}
 #: Units of columns, figures, and what the page says.
 DECLARED = tomllib.loads((files("warpwear.measured") / "joint.toml").read_text(encoding="utf-8"))
 FLOWS = [name for name in DECLARED["columns"] if "flow" in name]
@@ -116,7 +122,7 @@ class MeasuredContact(JointCurve):
 def joint_curve(
     path: str | Path,
     *,
-    load: str,
+    load: str | float,
     material: str,
     against: str | Path | None = None,
     against_material: str | None = None,
@@ -131,7 +137,8 @@ def joint_curve(
     path
         File of a measured surface.
     load
-        Mean pressures: "0.1:100 MPa" is 13 of them, evenly in their logarithm; or one, or "1, 5, 20 MPa".
+        Mean pressures: "0.1:100 MPa" is 13 of them, evenly in their logarithm; or "1, 5, 20 MPa"; or one
+        [MPa], or text.
     material
         Name of a known material, see `materials`.
     against
@@ -167,7 +174,8 @@ def joint_curve(
     >>> joint.table["pressure"]
     array([ 1., 10.])
     """
-    loads, pair = loads_of(load), [known(material), known(against_material or material)]
+    loads, pair = loads_of(load), [known(material)]
+    pair.append(known(against_material, "--against-material") if against_material else pair[0])
     surfaces = [read_surface(file, **how) for file in (path, against) if file is not None]
     rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
@@ -267,19 +275,21 @@ def measured_contact(
     return MeasuredContact(text=text, rows=rows, table=table, figures=figures, contact=contact)
 
 
-def known(name: str) -> Material:
-    """Return the known material of --material. Raises InputError."""
+def known(name: str, option: str = "--material") -> Material:
+    """Return the known material of an option. Raises InputError."""
     try:
         return known_material(name)
     except ValueError as error:
-        raise InputError(f"--material: {error}") from None
+        raise InputError(f"{option}: {error}") from None
 
 
-def loads_of(text: str) -> FloatArray:
-    """Return the mean pressures [MPa] that a text says. Raises InputError."""
+def loads_of(said: str | float) -> FloatArray:
+    """Return the mean pressures [MPa] that a text says, or a number. Raises InputError."""
+    text = said if isinstance(said, str) else f"{said} MPa"
     numbers, _, unit = text.strip().rpartition(" ")
     is_range = ":" in numbers
-    values = [quantity("--load", f"{one} {unit}", "MPa") for one in numbers.split(":" if is_range else ",")]
+    parts = [f"{one.strip()} {unit}".strip() for one in numbers.split(":" if is_range else ",")]
+    values = [quantity("--load", part, "MPa") for part in parts]
     if sorted({*values}) != values or (is_range and len(values) != 2):
         raise InputError(f"--load = {text!r}: allowed are '0.1:100 MPa', or loads that rise, '1, 5, 20 MPa'")
     return np.geomspace(values[0], values[1], LOADS) if is_range else np.array(values)
@@ -294,7 +304,10 @@ def pressed(
     """
     softer = min(body.hardness for body in pair)
     limit = softer if hardness is None else quantity("--hardness", hardness, "MPa")
+    if given.get("by", "mean_pressure") == "mean_pressure" and loads[-1] > limit:
+        raise InputError(f"--load = {loads[-1]:g} MPa: up to the hardness, {limit:g} MPa, is allowed")
     modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
+    doubts = [doubt for body in surfaces for doubt in body.numbers["doubts"]]
     heights, cell = rough(*surfaces)
     wide = heights.reshape(heights.shape[0] // 2, 2, -1, 2).mean(axis=(1, 3))
     given |= {"modulus": modulus, "hardness": limit}
@@ -304,6 +317,9 @@ def pressed(
         told.clear()
         table, last = press(heights, loads, pair, cell=cell, **given)
     slope = rms_slope(heights, pixel=(cell, cell))
+    laws = joint_laws(loads, sq=float(heights.std()), slope=slope, hardness=limit, modulus=modulus)
+    coarse = {**coarse, **laws}
+    steep = ": half-spaces are for small slopes" if slope > STEEP else ""
     ratio, mode = asperities(limit, modulus, slope)
     changes = []
     with np.errstate(invalid="ignore", divide="ignore"):  # infinite where all is in contact, 0 where no flow
@@ -320,21 +336,27 @@ def pressed(
     rows = [
         Row("E*", "modulus_MPa", modulus),
         Row("hardness", "hardness_MPa", limit),
-        Row("rms slope", "rms_slope", slope, note=f"of cells of {1e3 * cell:.3g} µm"),
+        Row("rms slope", "rms_slope", slope, note=f"of cells of {1e3 * cell:.3g} µm{steep}"),
+        Row("done", "operations", [one for body in surfaces for one in body.numbers["operations"]] or None),
         Row("asperities", "asperities", mode, note=f": H/(E* × rms slope) = {ratio:.3g}"),
         Row("twice the cell", "changes_percent", changes),
         Row("not known", "not_known", missing or None),
-        Row("warning", "warnings", [*dict.fromkeys(str(one.message) for one in told)] or None),
+        Row("warning", "warnings", [*doubts, *dict.fromkeys(str(one.message) for one in told)] or None),
     ]
     return rows, table, coarse, last
 
 
 def rough(surface: MeasuredSurface, *others: MeasuredSurface) -> tuple[FloatArray, float]:
-    """Return the heights [mm] of surfaces together, on even numbers of cells, and the cell."""
+    """Return the heights [mm] of surfaces together, on even numbers of cells, and the cell.
+
+    Raises InputError.
+    """
     bodies = [surface, *others]
     cell = max(pixel for body in bodies for pixel in body.pixel)
     least = np.min([body.surface.size for body in bodies], axis=0)
     nx, ny = (2 * int(0.5 * size / cell + 1e-9) for size in least)
+    if min(nx, ny) < FEWEST:
+        raise InputError(f"a joint of {nx} × {ny} cells is not possible: {FEWEST} each way are the least")
     grid = Grid(nx, ny, cell)
     heights = surface.surface.heights(grid.x, grid.y)
     return sum((one.surface.heights(grid.x, grid.y)[:, ::-1] for one in others), start=heights), cell
@@ -362,7 +384,7 @@ def press(
             "pressure": contact.mean_pressure if by == "load" else load,
             "area": contact.area / area,
             "area_at_hardness": contact.area_at_hardness / area,
-            "separation": -1e3 * contact.approach,
+            "separation": 0.0 - 1e3 * contact.approach,
             "gap": 1e3 * float(np.maximum(contact.gap, 0.0).mean()),
             "stiffness_loading": contact.stiffness(**on) / area,
             "stiffness_unloading": contact.stiffness(unloading=True, **on) / area,
@@ -375,18 +397,19 @@ def press(
     return dict(zip(DECLARED["columns"], np.array(rows).T, strict=True)), contact
 
 
-def figures_of(table: Table, coarse: Table, last: ArrayContact) -> dict[str, Figure]:
-    """Declare the figures of a joint."""
+def figures_of(table: Table, beside: Table, last: ArrayContact) -> dict[str, Figure]:
+    """Declare the figures of a joint. beside: columns of wider cells, and laws."""
     x, pressure, figures = Axis("mean pressure, MPa", "log"), table["pressure"], {}
     for name, said in DECLARED["figures"].items() if len(pressure) > 1 else ():
-        if np.isnan([table[of] for of in said["lines"]]).all():
+        if not np.isfinite([table[of] for of in said["lines"]]).any():
             continue
         drawn = [
             Line(pressure, table[of], label, replace(describe.look_of_group(n), marker="o"))
             for n, (of, label) in enumerate(said["lines"].items())
         ]
-        if "coarse" in said:
-            drawn.append(Line(pressure, coarse[said["coarse"]], "cells twice as wide", Look(dash="dot")))
+        for of, label in said.get("beside", {}).items():
+            if of in beside:
+                drawn.append(Line(pressure, beside[of], label, LAWS.get(of, Look(dash="dot"))))
         chart = Chart(said["title"], x, Axis(said["axis"], said.get("scale", "log")), drawn)
         figures[name] = Figure([chart], 1, legend=1, width=describe.COLUMN)
     return figures | fields_of(last)
