@@ -53,7 +53,7 @@ HEADS = {name: f"{name} [{unit}]" for name, unit in DECLARED["columns"].items()}
 
 #: Lengths of a counter-body: a sharp edge has none, a flat an infinite one.
 RADII = Range(or_equal=True, infinite=True)
-#: Numbers in the order in which they are told: label, unit where the name does not end with it, attribute.
+#: Numbers in the order in which they are told, declared as the file says.
 SHOWN = DECLARED["contact"]["rows"]
 #: Depths below the surface at which stresses are computed, down to radii of the largest spot; rows of a map.
 DEPTHS, DEEPEST, ROWS = 32, 3.0, 200
@@ -266,7 +266,10 @@ def measured_contact(
     drawn, below = stresses_of(contact, pair[0]) if stresses else ({}, {})
     figures, values = fields_of(contact) | drawn, values | below
     told = {name: finite(value) for name, value in values.items()}
-    own = [Row(said["label"], key, told.get(key), unit=said.get("unit")) for key, said in SHOWN.items()]
+    own = [
+        Row(said["label"], key, told.get(key), unit=said.get("unit"), note=said.get("note", ""))
+        for key, said in SHOWN.items()
+    ]
     own[0] = replace(own[0], error=told["area_corrected_error_mm2"])
     undefined = [text for key, text in DECLARED["undefined"].items() if told.get(key) is None]
     rows = [*own, *rows[:-1], Row("has no meaning", "undefined", undefined or None), rows[-1]]
