@@ -25,10 +25,18 @@ signal = lazy.module("scipy.signal")
 
 #: Part of the way from a tip to the other force over which unloading is taken as a straight line.
 STRAIGHT = 0.25
+#: What a contact that slips as a whole yields over that, by Mindlin, over what it does as unloading begins.
+CURVED = (1.0 - 0.5 * STRAIGHT) ** (-1 / 3)
+#: Part of the force about none in which a parabola tells the width.
+MIDDLE = 0.5
 #: Fewest points of a loop, and of the straight line behind each of its tips.
 FEWEST, FEWEST_STRAIGHT = 20, 4
-#: Energy over 4QΔ below which no loop of a ball can slip as a whole.
+#: Energy over 4QΔ up to which a ball on a stiff rig does not slip as a whole.
 PARTIAL = 0.2
+#: Displacement from which on a ball slips as a whole, over its force and the compliance of its contact.
+BORDER = 1.5
+#: What the contact adds to the width of a loop of gross slip, by Mindlin and Deresiewicz, over that.
+YIELDS = 2.0 * (2.0 ** (1 / 3) - 1.0)
 #: Energy over Q Δ up to which a line that is gone to and fro has one, by rounding.
 ROUNDING = 1.0e-9
 #: Numbers that have errors -> what these are multiplied with for people.
@@ -54,7 +62,7 @@ class LoopCalibration(Report):
     ----------
     force, load : float
         Friction force at the tips, and normal load [N].
-    slip, travel : float
+    width, travel : float
         Width of the loop at no force, and what the drive moves to and fro [mm].
     energy : float
         Energy of the cycle [mJ]; `energy_ratio` is that over 4 Q Δ.
@@ -64,6 +72,8 @@ class LoopCalibration(Report):
         Points of the cycle.
     source : str
         The file.
+    is_sure : bool
+        Whether the scatter of the points leaves no doubt that all of the contact slips.
     errors : dict
         Standard uncertainties of these numbers by their names, from the scatter of the points.
     """
@@ -72,11 +82,12 @@ class LoopCalibration(Report):
     load: float
     points: int
     force: float
-    slip: float
+    width: float
     travel: float
     energy: float
     compliance: float
     contact: float | None = None
+    is_sure: bool = True
     errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -85,41 +96,65 @@ class LoopCalibration(Report):
         return self.energy / (2.0 * self.force * self.travel)
 
     @property
+    def regime(self) -> str:
+        """Tell whether all of the contact slips: then it dissipates more than it can in partial slip."""
+        if self.contact is None and self.energy_ratio <= PARTIAL:
+            return "not known: partial slip, or a soft rig; a study tells what the contact yields"
+        if self.contact and self.energy <= 4.0 * PARTIAL * BORDER * self.contact * self.force**2:
+            return "partial slip, which tells no coefficient"
+        return "gross slip" if self.is_sure else "not known: the points scatter too much to tell partial slip"
+
+    @property
     def coefficient(self) -> float | None:
-        """Return the coefficient of friction by the energy, None of partial slip."""
-        return self.energy / (2.0 * self.slip * self.load) if self.energy_ratio > PARTIAL else None
+        """Return the coefficient of friction by energy and width, None where it may be partial slip.
+
+        What the contact yields is a part of both, of the energy less.
+        """
+        if self.regime != "gross slip":
+            return None
+        yields = 2.0 * (YIELDS - 2.0 * PARTIAL) * BORDER * (self.contact or 0.0) * self.energy
+        return self.energy / (self.width + max(self.width**2 - yields, 0.0) ** 0.5) / self.load
+
+    @property
+    def slip(self) -> float | None:
+        """Return how far all of the contact slips [mm], peak to peak; None where it may be partial slip."""
+        if self.coefficient is None:
+            return None
+        return self.width - YIELDS * BORDER * (self.contact or 0.0) * self.coefficient * self.load
 
     @property
     def rig(self) -> float | None:
         """Return the compliance of the rig [mm/N]; None where that of the contact is not known."""
-        return None if self.contact is None else max(self.compliance - self.contact, 0.0)
+        return None if self.contact is None else max(self.compliance - CURVED * self.contact, 0.0)
 
     @property
     def headline(self) -> Row:
         """Declare the coefficient of friction. Raises InputError for partial slip, which tells none."""
         if self.coefficient is None:
-            raise InputError(f"{self.source} is a loop of partial slip, which tells no coefficient")
+            raise InputError(f"{self.source} has no coefficient: {self.regime}")
         return Row("coefficient", "coefficient", self.coefficient, error=self.errors.get("coefficient"))
 
     def _title(self) -> str:
         return f"one cycle of {self.points} points"
 
     def __repr__(self) -> str:
-        least, slip = self.force / self.load, 1e3 * self.slip
-        return f"<fretting loop: slip {slip:.4g} µm, force of the tips over the load {least:.3g}>"
+        told = self.regime if self.slip is None else f"slip {1e3 * self.slip:.4g} µm"
+        return f"<fretting loop: {told}, force of the tips over the load {self.force / self.load:.3g}>"
 
     def _rows(self) -> list[Row]:
-        partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
-        least, ratio = self.force / self.load, self.energy_ratio
+        least = self.force / self.load if self.coefficient is None else None
+        bound = "at {}: what the contact yields is not taken off" if self.contact is None else ""
         behind, contact, rig = (times(1e3, c) for c in (self.compliance, self.contact, self.rig))
         rows = [
             Row("source", "source", self.source),
             Row("load F", "load_N", self.load),
             Row("", "points", self.points),
-            Row("coefficient", "coefficient", self.coefficient),
+            Row("regime", "regime", self.regime),
+            Row("coefficient", "coefficient", self.coefficient, note=bound.format("least")),
             Row("least coefficient", "coefficient_least", least, note="the force of the tips over the load"),
             Row("force", "force_N", self.force),
-            Row("slip", "stroke_um", 1e3 * self.slip, note="width at no force: sliding.stroke"),
+            Row("slip", "stroke_um", times(1e3, self.slip), note=bound.format("most") or "sliding.stroke"),
+            Row("width", "width_um", 1e3 * self.width, note="at no force"),
             Row(
                 "travel of drive",
                 "travel_um",
@@ -127,19 +162,17 @@ class LoopCalibration(Report):
                 note="sliding.stroke with stroke_of = 'body'",
             ),
             Row("energy", "energy_mJ", self.energy, unit="mJ"),
-            Row("energy over 4QΔ", "energy_ratio", ratio, note=partial),
+            Row("energy over 4QΔ", "energy_ratio", self.energy_ratio),
             Row("behind the tips", "compliance_um_per_N", behind, unit="µm/N", note="yields in all"),
+            Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note="(Mindlin, unworn)"),
+            Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"),
         ]
-        if contact is not None:
-            note = "(Mindlin, unworn)"
-            rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
-            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
         factors = {name: times(factor, self.errors.get(name)) for name, factor in ERRORS.items()}
         errors = {key: factors[name] for key, name in ERRORS_OF.items()}
-        errors["coefficient_least"] = times(1.0 / self.load, factors["force"])
+        errors["coefficient_least"] = times(1.0 / self.load, factors["force"]) if least else None
         rows = [replace(row, error=errors.get(row.key)) for row in rows]
         keys = f'[sliding] force = "{self.force:.4g} N"'
-        if self.coefficient is not None:
+        if self.coefficient is not None and self.slip is not None:
             law = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}'
             keys = f'{law}; [sliding] stroke = "{1e3 * self.slip:.4g} um"'
         keys += "" if rig is None else f', rig_compliance = "{rig:.3g} um/N"'
@@ -210,7 +243,7 @@ def calibrate_loop(
     known_of = [name for name in ERRORS if all(getattr(copy, name) is not None for copy in copies)]
     errors = {name: float(np.std([getattr(copy, name) for copy in copies])) for name in known_of if copies}
     told = {name: error for name, error in errors.items() if error > EXACT * abs(getattr(loop, name) or 0.0)}
-    return replace(loop, errors=told)
+    return replace(loop, errors=told, is_sure=all(copy.coefficient is not None for copy in copies))
 
 
 def _scatter(values: FloatArray) -> float:
@@ -233,33 +266,26 @@ def _read(file: Path) -> tuple[FloatArray, FloatArray]:
     values -= 0.5 * (values.min(axis=0) + values.max(axis=0))
     if not (values.max(axis=0) > 0.0).all():
         raise InputError(f"{file}: displacement or friction force does not change, and no loop is there")
-    return values[:, 0], values[:, 1]
+    place, force = values.T
+    # a force on the other body points the other way, and has its tips where there are none
+    done = force @ (np.roll(place, -1) - np.roll(place, 1))
+    return place, force if done > 0.0 else -force
 
 
 def _of_loop(place: FloatArray, force: FloatArray, **more: Any) -> LoopCalibration:
     """Measure a loop. more: other fields of the result. Raises InputError for one without an area."""
     energy = Loop(1, place, force).energy
-    crossings = _at_no_force(place, force)
-    if energy <= ROUNDING * force.max() * place.max() or crossings.size < 2:
+    if energy <= ROUNDING * force.max() * place.max():
         raise InputError("the loop does not enclose an area about no force: a whole cycle is needed")
-    sides = crossings > 0.5 * (crossings.min() + crossings.max())  # of noisy points each is crossed often
     return LoopCalibration(
         points=int(place.size),
         force=_at_tips(place, force),
-        slip=float(crossings[sides].mean() - crossings[~sides].mean()),
+        width=_width(place, force),
         travel=float(np.ptp(place)),
         energy=energy,
         compliance=_compliance(place, force),
         **more,
     )
-
-
-def _at_no_force(place: FloatArray, force: FloatArray) -> FloatArray:
-    """Return the displacements at which the force is none, between neighbouring points [mm]."""
-    later, there = np.roll(force, -1), np.roll(place, -1)
-    crosses = np.flatnonzero((force < 0.0) != (later < 0.0))
-    part = force[crosses] / (force[crosses] - later[crosses])
-    return np.asarray(place[crosses] + part * (there[crosses] - place[crosses]))
 
 
 def _from_tips(place: FloatArray, force: FloatArray) -> Iterator[tuple[FloatArray, FloatArray, int]]:
@@ -286,6 +312,18 @@ def _at_tips(place: FloatArray, force: FloatArray) -> float:
         back = window // 2 + np.arange(2 * window)
         ends.append(np.polyfit(back, np.roll(q[::-1], 1)[back], 1)[1])
     return float(np.mean(ends))
+
+
+def _width(place: FloatArray, force: FloatArray) -> float:
+    """Return the width at no force [mm]: by a parabola on each side, of few points by those next to it."""
+    width = 0.0
+    for x, q, _ in _from_tips(place, force):
+        last = int(np.argmax(q < -MIDDLE * q.max()))
+        near = np.flatnonzero(np.abs(q[:last]) < MIDDLE * q.max())
+        if near.size < FEWEST_STRAIGHT:
+            near = int(np.argmax(q < 0.0)) - np.arange(2)
+        width += np.polyfit(q[near], x[near], 2 if near.size > 2 else 1)[-1]
+    return float(width)
 
 
 def _compliance(place: FloatArray, force: FloatArray) -> float:

@@ -155,7 +155,8 @@ def loop(**options: Any) -> None:
 
     Or it is a TOML file with tables [[test]], each with such a file, loop, and its load.
 
-    The slip is the width at no force. A rig of some compliance, and the contact, yield behind the tips.
+    The slip is the width at no force, less what the contact yields, which a study tells. Rig and contact
+    yield behind the tips.
     """
     click.echo(places.calibrations.printed(places.loop_of_test.calibrate_loop, **options))
 
