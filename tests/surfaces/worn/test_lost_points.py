@@ -31,8 +31,8 @@ def test_volumes_hold_where_points_are_lost(kind, worn, number, lost):
     assert not isinstance(found, str), found
     for name in ("worn", "piled up", "net", "area"):
         assert abs(found.off[name]) < 3.0, name
-        # of a lip that lacks half of its points little is told: they may have been lost where it is steep
-        assert found.relative[name] < (0.7 if name == "piled up" else 0.25), name
+        # of the last lip, which lacks half of its points, little is told: they may be lost as it is steep
+        assert found.relative[name] < (0.7 if (worn, name) == ("piled", "piled up") else 0.25), name
 
 
 @pytest.mark.parametrize(("kind", "worn"), [("turned", "bowl"), ("self-affine", "stadium")])
@@ -128,8 +128,8 @@ def test_coverage_where_points_are_lost():
     for name in ("worn", "piled up", "net", "area"):
         off = np.abs([found.off[name] for found in known if name in found.off])
         print(name, [round(float(np.mean(off < errors)), 3) for errors in (1.0, 2.0)])
-        # Errors of volumes are wide here: they hold where what is deep is lost, too.
-        assert 0.58 <= np.mean(off < 1.0) <= (0.78 if name == "area" else 1.0), name
+        # errors of what is worn or piled up are wide here: they hold where what is deep is lost, too
+        assert 0.58 <= np.mean(off < 1.0) <= (0.78 if name in ("net", "area") else 1.0), name
         assert np.mean(off < 2.0) >= 0.9, name
     assert np.median([found.relative["area"] for found in known if "area" in found.relative]) < 0.012
     off = np.abs(np.concatenate([found.off["lengths"] for found in known if "lengths" in found.off]))
