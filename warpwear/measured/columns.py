@@ -10,67 +10,17 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.record import Record, is_unit
+from warpwear.measured.record import Record, declared, is_unit
 from warpwear.study.units import parse
 
-#: What may stand before the name of a coefficient of friction.
-_MEAN = r"(?:(?:mean|avg|average|abs|absolute|filtered|dynamic|kinetic|mittlere[rs]?) )?"
-_COEFFICIENT = (
-    r"cof|c\.o\.f\.?|μ|mu|coeff?(?:icient|\.)? of friction|friction coeff?(?:icient|\.)?|"
-    r"reibungskoeffizient|reibkoeffizient|reibwert|reibungszahl|reibzahl"
-)
-#: Role -> what such a column is called, in small letters and without its unit.
-NAMES = {
-    "distance": r"(?:total |sliding |accumulated |cumulative )*(?:distance|dist\.?)|"
-    r"gleitweg|reibweg|gesamtweg|weg|gleitstrecke|strecke",
-    "time": r"(?:total |elapsed |test |sliding |run )?time|t|(?:test|mess|versuchs|lauf|gleit)?zeit",
-    "clock": "clock",
-    "cycle": r"cycles?(?: (?:number|no\.?|count))?|zykl(?:us|en)(?:zahl)?",
-    "cof": rf"(?:daq\.)?{_MEAN}(?:{_COEFFICIENT})(?: (?:mean|avg|average|abs|absolute|filtered))?",
-    "friction force": r"fx|ff|ft|fr|f[ _]?x|(?:friction|tangential|lateral)(?: force)?|"
-    r"reib(?:ungs)?kraft|tangentialkraft",
-    "normal force": r"fz|fn|f[ _]?z|normal (?:force|load)|load|down ?force|normalkraft|anpresskraft|last",
-    "position": r"(?:x[ -]?|stage |stroke |linear )?pos(?:ition|\.)?|x|displacement|auslenkung|hub",
-    "laps": r"(?:total |number of |no\.? of )?(?:laps?|revolutions?|turns?|revs?)|runden|umdrehungen",
-    "rpm": r"(?:rotational |rotation |disc |disk )?(?:speed|velocity)|rpm|drehzahl",
-    "speed": r"(?:linear |sliding |mean |stroke |average )*(?:speed|velocity)"
-    r"(?: (?:average|mean|value|current))*|(?:gleit)?geschwindigkeit",
-    "radius": r"(?:wear |disc |disk )?(?:track )?radius",
-    "load": r"(?:nominal|set) (?:load|force)",
-    "torque": r"(?:friction(?:al)? )?(?:torque|moment)|[mt]z|reib(?:ungs)?moment|drehmoment",
-    "frequency": r"(?:oscillation |oscillating |stroke |test )?(?:frequency|freq\.?)|frequenz",
-    "stroke": r"stroke(?: length)?|hubl(?:ä|ae)nge",
-    "step": r"(?:recipe ?)?step(?: (?:no\.?|number|id))?",
-}
-#: Roles that serve where they are clear, and are left where they are not.
-HELPERS = ("clock", "laps", "rpm", "speed", "radius", "load", "torque", "frequency", "stroke", "step")
-#: Role -> unit that its numbers are converted to; the other roles have numbers without a unit.
-TARGETS = {"distance": "mm", "time": "s", "friction force": "N", "normal force": "N", "position": "mm"}
-TARGETS |= {"speed": "mm/s", "radius": "mm", "load": "N", "rpm": "rpm", "clock": "s", "torque": "N*mm"}
-TARGETS |= {"frequency": "Hz", "stroke": "mm"}
-#: What a unit of each target measures.
-KINDS = {"mm": "length", "s": "time", "N": "force", "mm/s": "speed", "rpm": "turns a minute"}
-KINDS |= {"N*mm": "torque", "Hz": "frequency"}
-#: Turns a minute in what turns are counted in, in small letters.
-TURNS = {"rpm": 1.0, "1/min": 1.0, "min-1": 1.0, "u/min": 1.0, "hz": 60.0, "1/s": 60.0, "rps": 60.0}
-#: What stands for a unit of a plain number.
-WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none", "dimensionless"))
-#: Units of a distance or a time that is a count of something -> its role.
-COUNTS = dict.fromkeys(("lap", "laps", "rev", "revs", "turns", "revolutions"), "laps")
-COUNTS |= dict.fromkeys(("cycle", "cycles"), "cycle")
-#: Units in small letters that are spelt otherwise in a study.
-LOCAL = {"sek": "s", "std": "h", "μm": "um", "micrometer": "um", "mm/sec": "mm/s", "m/sec": "m/s"}
+#: What columns are called, by their roles, and units, see columns.toml.
+WORDS = declared("columns")
+ROLES, COUNTS, WITHOUT_UNIT = WORDS["roles"], WORDS["counts"], frozenset(WORDS["without_unit"])
+NAMES = {role: said["names"].format(**WORDS) for role, said in ROLES.items()}
 #: A torque's unit with whatever stands between force and length.
 _TORQUE = re.compile(r"([mk]?N)\W*([cm]?m)")
-#: What else a column may be called that holds coefficients of friction, such as a second mean of them.
-_LIKE_COF = re.compile(rf".*\b(?:{_COEFFICIENT}|friction|traction|reib\w*)\b.*")
 #: Relative difference of a coefficient from the one taken, or from the ratio of the forces, that is told.
 OTHER_RATIO = 0.05
-#: Units of mass that stand for the weight of one.
-WEIGHTS = {"g": "gf", "kg": "kgf"}
-#: What a number of columns picked by hand stands for.
-PICKED = {2: ("distance", "cof"), 3: ("time", "friction force", "normal force")}
-PICKED[4] = (*PICKED[3], "position")
 
 
 @dataclass(frozen=True)
@@ -109,7 +59,7 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
             "name such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these, --columns "
             "'TIME,FRICTION,LOAD' three"
         )
-    needed = {"distance", "time", "cycle", "cof"} if roles["cof"] else set(NAMES) - set(HELPERS)
+    needed = {"distance", "time", "cycle", "cof"} if roles["cof"] else NAMES.keys() - {*WORDS["helpers"]}
     columns = {}
     for role in NAMES:
         if len(roles[role]) > 1 and role in needed:
@@ -156,7 +106,7 @@ def other_coefficients(record: Record, taken: Column) -> list[str]:
     middles = {}
     for index in range(record.table.width):
         name, unit = _title(record, index)
-        if unit.lower() in WITHOUT_UNIT and _LIKE_COF.fullmatch(name):
+        if unit.lower() in WITHOUT_UNIT and re.fullmatch(WORDS["like"].format(**WORDS), name):
             with suppress(InputError):  # of words
                 values = np.abs(record.columns([index]))
                 if (known := values[np.isfinite(values)]).size:
@@ -226,12 +176,12 @@ def _role(record: Record, name: str, unit: str) -> str | None:
     role = next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
     if role in ("distance", "time"):
         return COUNTS.get(unit.lower(), role)
-    return "speed" if role == "rpm" and unit.lower() not in TURNS else role
+    return "speed" if role == "rpm" and unit.lower() not in WORDS["turns"] else role
 
 
 def _factor(record: Record, role: str, name: str, unit: str) -> float:
     """Return the factor from a unit to that of a role. Raises InputError for another kind of unit."""
-    target = TARGETS.get(role)
+    target = ROLES[role].get("unit")
     which = f"{record.path}: the {_spoken(role)} '{name}' has"
     if target is None:
         if unit.lower() not in WITHOUT_UNIT | COUNTS.keys():
@@ -242,17 +192,17 @@ def _factor(record: Record, role: str, name: str, unit: str) -> float:
         raise InputError(f"{which} no unit; {how}")
     factor = _converted(unit, target)
     if factor is None:
-        raise InputError(f"{which} the unit {unit}, which is no unit of {KINDS[target]}")
+        raise InputError(f"{which} the unit {unit}, which is no unit of {WORDS['kinds'][target]}")
     return factor
 
 
 def _converted(unit: str, target: str) -> float | None:
     """Return one of a unit in the target's, None where it is of another kind."""
     if target == "rpm":
-        return TURNS.get(unit.lower())
+        return WORDS["turns"].get(unit.lower())
     if target == "N*mm":
         unit = _TORQUE.sub(r"\1*\2", unit)
-    unit = WEIGHTS.get(unit, unit) if target == "N" else LOCAL.get(unit.lower(), unit)
+    unit = WORDS["weights"].get(unit, unit) if target == "N" else WORDS["local"].get(unit.lower(), unit)
     try:
         return parse(f"1 {unit}", target)
     except ValueError:
@@ -264,14 +214,14 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
     parts = picks.split(";" if ";" in picks else ",")  # a title may hold commas
     chosen = [place for part in parts if (place := _index(record, titles, part.strip())) is not None]
     known = _listed(record.names) or f"1 to {record.table.width}"
-    if len(chosen) != len(parts) or len(chosen) not in PICKED:
+    if len(chosen) != len(parts) or str(len(chosen)) not in WORDS["picked"]:
         raise InputError(
             f"--columns '{picks}': two columns (distance or time, CoF), three (time, friction force, normal "
             f"force) or four (these and a position) of {record.path} are expected, with ; between titles "
             f"with commas: {known}"
         )
     columns = {}
-    for role, (index, unit_picked) in zip(PICKED[len(chosen)], chosen, strict=True):
+    for role, (index, unit_picked) in zip(WORDS["picked"][str(len(chosen))], chosen, strict=True):
         name, unit = titles[index][0], unit_picked or titles[index][1]
         meant, named = role, _role(record, name, unit)
         if role == "distance" and named in ("laps", "cycle"):

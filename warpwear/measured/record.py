@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,11 +32,6 @@ HEAD = 80
 _NUMERIC = re.compile(rf"[\s;,]*\"?(?:[-+]?(?:\d|[.,]\d)|(?!-)(?:{MISSING.pattern[1:]})\"?\s*[;,\t])", re.I)
 #: Name of a column behind the others that a file may leave empty altogether.
 _REMARK = "comment"
-#: What stands for a unit in the header of a record, in small letters, µ as u.
-UNITS = frozenset(
-    ("-", "–", "1", "%", "nm", "um", "mm", "cm", "m", "km", "ms", "s", "sec", "sek", "min", "h", "hr", "std")
-) | {"n", "mn", "kn", "°c", "c", "rpm", "mm/s", "m/s", "hz", "v", "g"}
-UNITS |= {"1/min", "kg", "gf", "kgf", "mm/sec", "m/sec", "µm", "micrometer", "deg", "rev", "degc", "mm/min"}
 #: Letters of a column's name; what is longer is no name, and would fill every sentence.
 LONGEST = 80
 #: A time of day or since the start, behind a date or without.
@@ -63,8 +59,14 @@ class RecordFormat:
     step: str = ""
 
 
-_MAKES = tomllib.loads((files("warpwear.measured") / "makes.toml").read_text(encoding="utf-8"))
-FORMATS = tuple(RecordFormat(**make) for make in _MAKES["make"])
+def declared(name: str) -> dict[str, Any]:
+    """Read one of the tables of this wing."""
+    return tomllib.loads((files("warpwear.measured") / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+FORMATS = tuple(RecordFormat(**make) for make in declared("makes")["make"])
+#: What stands for a unit in the header of a record.
+UNITS = frozenset(declared("columns")["units"])
 PLAIN = RecordFormat(name="plain table")
 
 
