@@ -44,10 +44,11 @@ def test_strength_and_area_are_not_told_apart_by_one_coefficient() -> None:
     data = Data(points=(MeasuredValue("friction", 0.4, 0.02, study.sliding.total),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
-    (group,) = identify(posterior, values, z).indistinct
+    found = identify(posterior, values, z)
+    (group,) = found.indistinct
     assert set(group.keys) == set(asked)
     assert group.known.startswith("the product friction.shear_strength · wear.counter^0.5")
-    assert "A scar or a worn volume" in str(group)
+    assert "A scar or a worn volume" in found.sentences[0]
     with_scar = posterior_of(study, asked, replace(data, values=(MeasuredValue("scar", 1.0, 0.02),)))
     assert not identify(with_scar, *found_for(with_scar)).indistinct
 

@@ -21,6 +21,7 @@ from warpwear.calibration.measurements import KINDS
 from warpwear.ensembles.datum import CONTRADICTION
 from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
+from warpwear.results.formats.forms import filled
 
 csgraph = lazy.module("scipy.sparse.csgraph")
 
@@ -55,16 +56,11 @@ STRONG = 0.8
 
 @dataclass(frozen=True)
 class Indistinct:
-    """Unknowns that the data cannot tell apart. known: in words, what they tell instead."""
+    """Unknowns that the data cannot tell apart. known: in words, what they tell instead; why: by theory."""
 
     keys: tuple[str, ...]
     known: str
     why: str = ""
-
-    def __str__(self) -> str:
-        """Say so in a sentence."""
-        text = f"{listed(self.keys)} cannot be told apart by these data: they tell only {self.known}."
-        return f"{text} {self.why}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,16 +75,8 @@ class Identified:
     @property
     def sentences(self) -> list[str]:
         """Say all of it."""
-        lines = [str(group) for group in self.indistinct]
-        lines += [f"These data say nothing of {key}: it stays as its prior has it." for key in self.untouched]
-        lines += [f"These data say little of {key}: its prior tells more." for key in self.hardly]
-        lines += [
-            f"{first} goes {'with' if r > 0.0 else 'against'} {second} (correlation {r:.2f}): knowing one "
-            "better makes the other better known."
-            for first, second, r in self.correlations
-            if not any({first, second} <= set(group.keys) for group in self.indistinct)
-        ]
-        return lines or [ALL_APART]
+        text = filled("identified.txt", escape=False, told=self, listed=listed)
+        return text.splitlines() or [ALL_APART]
 
 
 def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
@@ -170,8 +158,9 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     count = len(keys)
     together = np.atleast_2d(np.corrcoef(z[:, :count].T))
     pairs = np.argwhere(np.tril(np.abs(together) > STRONG, -1))
-    strong = tuple((keys[i], keys[j], float(together[i, j])) for i, j in pairs)
-    return Identified(tuple(indistinct), untouched, hardly, strong)
+    strong = ((keys[i], keys[j], float(together[i, j])) for i, j in pairs)
+    told = tuple(two for two in strong if not any({*two[:2]} <= {*group.keys} for group in indistinct))
+    return Identified(tuple(indistinct), untouched, hardly, told)
 
 
 def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, FloatArray]) -> str:
@@ -201,24 +190,11 @@ def _powers(columns: list[FloatArray]) -> FloatArray:
 
 
 def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
-    """Say why theory expects it, and what would help."""
-    wear = {"wear.counter", "wear.disc"}
-    if set(group) == wear and posterior.model.runs.scaled:
-        return (
-            "At rest, area and scar follow from the sum of both wears alone; a worn volume of one body, or "
-            "the section of the groove, tells them apart."
-        )
-    strength = any(key.endswith("shear_strength") for key in group)
-    if strength and "friction.ploughing" in group:
-        return (
-            "Friction is μ_p + τ0 A/F, and the area hardly changes over these data: friction from the first "
-            "pass on tells them apart."
-        )
-    if strength and len(group) > 1:
-        return (
-            "Friction is the shear strength times the area: the higher the one, the lower the other. A scar "
-            "or a worn volume tells how large the area is."
-        )
+    """Name why theory expects it, of identified.txt; empty where it does not."""
+    if set(group) == {"wear.counter", "wear.disc"} and posterior.model.runs.scaled:
+        return "wear"
+    if any(key.endswith("shear_strength") for key in group):
+        return "ploughing" if "friction.ploughing" in group else "strength"
     return ""
 
 

@@ -31,12 +31,6 @@ SAMPLES_FILE = "posterior.csv"
 JOINT = 0.5
 #: Runs of the sweep in the calibrated study.
 SAMPLES = 64
-CAPTIONS = {
-    "course": "The computed coefficient of friction after the test, with its band of 90 %, and what was "
-    "measured.",
-    "corner": "The unknowns by pairs: lines enclose 50 and 90 % of the samples. On the diagonal each "
-    "alone; dashed its prior.",
-}
 
 
 def write_report(inference: Inference, folder: Path) -> list[Path]:
@@ -63,7 +57,7 @@ def _page(inference: Inference, figures: Mapping[str, Figure], *, study: str, te
     data = inference.posterior.data
     content: dict[str, Any] = {"inference": inference, "written": study, "calibrated": text}
     content["notes"] = [(c.name, c.notes) for c in data.courses] + [("data", data.notes)] * bool(data.notes)
-    content["pictures"] = [(embedded(figure), CAPTIONS[name]) for name, figure in figures.items()]
+    content["pictures"] = {name: embedded(figure) for name, figure in figures.items()}
     return render("inference.html", {"number": lambda value: short(float(f"{value:.3g}"))}, **content)
 
 

@@ -13,7 +13,7 @@ from warpwear.calibration.bayes.identify import ALL_APART, CONFLICT, DRAWS, Iden
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.bayes.next_test import MOST_REPEATS, REACHED, NextTest
 from warpwear.calibration.bayes.sampler import Samples, split_of, spread_of
-from warpwear.calibration.bayes.unknowns import NOISE, Unknown
+from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.errors import InputError
 from warpwear.figures import describe
 from warpwear.figures.paint import paint
@@ -21,6 +21,7 @@ from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
 from warpwear.results.ensemble import band
+from warpwear.results.formats.forms import filled
 from warpwear.results.frames import package
 from warpwear.results.report import aligned
 from warpwear.study.study import Study
@@ -85,7 +86,7 @@ class Inference:
         ends there.
         """
         rows = []
-        pressing = {unknown.key for unknown, _ in self._pressing}
+        pressing = {unknown.key for unknown, _ in self.pressing}
         for place, unknown in enumerate(self.posterior.unknowns):
             column = self.values[unknown.key]
             low, median, high = map(float, np.percentile(column, (BAND[0], 50.0, BAND[1])))
@@ -122,57 +123,42 @@ class Inference:
     def sentences(self) -> list[str]:
         """What a reader has to know beside the table."""
         apart = [line for line in self.identified.sentences if not (self.misses and line == ALL_APART)]
-        lines = [*self.conflicts, *apart, *filter(None, [self.posterior.model.runs.cut])]
-        lines += [f"Of the study: {notice}" for notice in self.study.notices()]
-        lines += self._at_the_edge
-        data, count = self.posterior.data, len(self.posterior.model.unknowns)
-        if not data.courses and len(data.values) + len(data.points) <= count:
-            lines.append(
-                f"There are {count} unknowns for {len(data.values) + len(data.points)} measured values: that "
-                "the study agrees with them does not prove it; a course of friction or another value would."
-            )
-        if len(data.courses) == 1:
-            lines.append(
-                "One course of friction: scatter between tests is not in these uncertainties; repeated "
-                "tests would show it."
-            )
-        lines += self._in_two_groups
-        for key, repeats in self.more_tests.items():
-            middle, half, _ = spread_of(self.values[key])
-            now = f"{key} is known to ± {100.0 * half / middle:.2g} %"
-            now += "" if data.repeated else " of this test"
-            goal, more = f"± {100 * REACHED:.0f} %", f"; {repeats} more tests like this bring it to"
-            more = "; 1 more test like this brings it to" if repeats == 1 else more
-            more = f"; {MOST_REPEATS} more like it do not bring it to" if repeats is None else more
-            lines.append(f"{now}{', within' if repeats == 0 else more} {goal}.")
-        if self.tests and not self.misses:
-            best = self.tests[0]
-            lines.append(
-                f"For {self.target} the best next test of those listed is {best.label}: ± "
-                f"{100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
-            )
-        return lines
+        z_of = zip(self.posterior.unknowns, self.z.T, strict=True)
+        pulled = [(u, abs(z.mean())) for u, z in z_of if not u.prior.kind.endswith("uniform")]
+        spreads = {key: spread_of(self.values[key]) for key in self.more_tests}
+        text = filled(
+            "inference.txt",
+            escape=False,
+            inference=self,
+            pulled=[(unknown, off) for unknown, off in pulled if off > PULLED],
+            groups=self._in_two_groups,
+            known={key: 100.0 * half / middle for key, (middle, half, _) in spreads.items()},
+            reached=f"{100 * REACHED:.0f}",
+            most=MOST_REPEATS,
+            wider=_wider,
+        )
+        return [*self.conflicts, *apart, *filter(None, text.splitlines())]
 
     @property
     def more_tests(self) -> dict[str, int | None]:
         """Keep of `repeats` what data tell: nothing of a study that misses them, or the prior decides."""
         told = self.identified
         apart = {key for group in told.indistinct for key in group.keys}
-        by_prior = apart | {*told.untouched, *told.hardly, *(unknown.key for unknown, _ in self._pressing)}
+        by_prior = apart | {*told.untouched, *told.hardly, *(unknown.key for unknown, _ in self.pressing)}
         return {} if self.misses else {k: count for k, count in self.repeats.items() if k not in by_prior}
 
     @property
-    def _in_two_groups(self) -> list[str]:
-        """Say which unknowns have two groups of values."""
-        lines = []
+    def _in_two_groups(self) -> list[tuple[str, float, str]]:
+        """Unknowns with two groups of values, the percentage of the smaller one, and where it lies."""
+        groups = []
         for key, column in self.values.items():
             if lower := split_of(column, self.samples.effective):
                 x, count = np.sort(column), column.size
                 few, side = min(
                     (lower, f"up to {x[lower - 1]:.3g}"), (count - lower, f"from {x[lower]:.3g} on")
                 )
-                lines.append(f"{key} has two groups of values: {100 * few / count:.2g} % lie {side}.")
-        return lines
+                groups.append((key, 100 * few / count, side))
+        return groups
 
     @property
     def misses(self) -> bool:
@@ -180,7 +166,7 @@ class Inference:
         return bool(self.conflicts) and self.conflicts[0].startswith(CONFLICT)
 
     @property
-    def _pressing(self) -> list[tuple[Unknown, str]]:
+    def pressing(self) -> list[tuple[Unknown, str]]:
         """Unknowns whose uniform prior ends where they would go on, each with the end."""
         ends = (("lower", -1.0), ("upper", 1.0))
         return [
@@ -191,48 +177,9 @@ class Inference:
         ]
 
     @property
-    def _at_the_edge(self) -> list[str]:
-        """Say which priors bind, at either end, and what to give instead."""
-        lines = []
-        for unknown, end in self._pressing:
-            prior, key = unknown.prior, unknown.key
-            bound = prior.first if end == "lower" else prior.second
-            says = f"{key} presses against the {end} end of its prior, {bound:.4g} {unknown.unit}".rstrip()
-            if key == "noise.deviation" and end == "upper":
-                lines.append(f"{says}: the study misses the course by more than the course itself scatters.")
-            elif key in NOISE:
-                lines.append(f"{says}.")
-            elif bound in (unknown.least, unknown.most):
-                lines.append(f"{says}, and {'more' if end == 'upper' else 'less'} is not allowed.")
-            else:
-                lines.append(f"{says}; give one that goes on, such as '{key}={_wider(unknown, end)}'.")
-        for unknown, z in zip(self.posterior.unknowns, self.z.T, strict=True):
-            if not unknown.prior.kind.endswith("uniform") and abs(z.mean()) > PULLED:
-                lines.append(
-                    f"{unknown.key} lies {abs(z.mean()):.1f} standard deviations from the middle of its "
-                    f"prior, {unknown.prior}, which holds it back: if that is no measurement, give a "
-                    "wider one."
-                )
-        return lines
-
-    @property
     def how(self) -> str:
         """Where the numbers come from, in two sentences."""
-        runs, samples = self.posterior.model.runs, self.samples
-        count = counted(len(runs.rows), "run")
-        source = f"{count} of the study."
-        if runs.scaled:
-            source = f"{count}, scaled: area and scar follow from (K_s + K_d) L."
-        if runs.inputs:
-            source += (
-                " What lies between them is interpolated (Gaussian processes), off by "
-                f"{100.0 * self.posterior.model.error:.1f} % (each run predicted from the others), which the "
-                "uncertainties include."
-            )
-        if not samples.steps:
-            return f"{source} All in closed form."
-        agree = f"two ensembles agree, split-R̂ {samples.r_hat:.4f}."
-        return f"{source} {samples.effective:.0f} independent samples; {agree}"
+        return filled("inferred.txt", escape=False, inference=self)
 
     def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Predict the course of friction.
