@@ -11,6 +11,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.results.formats.forms import filled
 
 special = lazy.module("scipy.special")
 
@@ -72,28 +73,9 @@ class FrictionFit(ShearFit):
     @property
     def doubts(self) -> tuple[str, ...]:
         """Sentences that say why not to trust the fit; none where nothing speaks against it."""
-        lines = []
-        if self.condition > POOR:
-            lines.append(
-                f"the areas vary by {self.area_variation:.2g} of their mean only (condition index "
-                f"{self.condition:.0f}, above {POOR:.0f}): τ0 and μ_p are poorly told apart"
-            )
-        if self.ploughing < 0.0:
-            lines.append(
-                f"μ_p is negative{_within(self.ploughing, self.ploughing_error)}, which no ploughing is: the "
-                "coefficient grows faster than in proportion to this area; the fit with μ_p = 0 is given too"
-            )
-        if self.shear_strength < 0.0:
-            lines.append(
-                f"τ0 is negative{_within(self.shear_strength, self.shear_strength_error)}: a coefficient "
-                "that falls while this area grows follows no constant shear strength of it"
-            )
-        if self.length > OTHER_SHAPE * self.last and self.points >= 20 and self.rms > ROUNDING:
-            lines.append(
-                f"the residuals go together over {self.length:.3g} mm of {self.last:.4g}: the curve has "
-                "another shape than the area's"
-            )
-        return tuple(lines)
+        together = self.length > OTHER_SHAPE * self.last and self.points >= 20 and self.rms > ROUNDING
+        text = filled("doubts.txt", escape=False, fit=self, poor=POOR, together=together)
+        return tuple(text.splitlines())
 
 
 def fit_friction(
@@ -189,11 +171,6 @@ def _errors(where: FloatArray, design: FloatArray, measured: FloatArray) -> tupl
     spread = inverse @ roots[best] * triangles[best, -1, -1] * special.stdtrit(freedom, BELOW)
     length = ((1.0 - alone) * lengths[:, None, None]).ravel()[best]
     return np.sqrt((spread**2).sum(axis=1) / (count - unknowns)), float(length)
-
-
-def _within(value: float, error: float) -> str:
-    """Say whether a value is within its error of 0."""
-    return " (within two standard errors of 0)" if abs(value) < 2.0 * error else ""
 
 
 def _product(one: FloatArray, other: FloatArray) -> float:

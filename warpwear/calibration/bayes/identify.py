@@ -258,45 +258,31 @@ def _noise_of(course: MeasuredCourse, values: Mapping[str, FloatArray]) -> Float
 def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:
     """Say what the study cannot bring together, in sentences."""
     some = {key: column[:DRAWS] for key, column in values.items()}
-    lines = []
     rows, values_of = computed(posterior, some), (*posterior.data.values, *posterior.data.points)
-    each = [*zip(rows, [value.kind for value in values_of] + [""] * len(rows), strict=False)]
-    for row, kind in sorted(each, key=lambda pair: -float(pair[0]["off"])):  # the worst is the headline
-        if row["off"] > CONTRADICTION:
-            course = "" if kind else ", for it misses the course of friction"
-            lines.append(
-                f"{CONFLICT}{course}: measured is {row['what']}; computed is "
-                f"{row['mean']:.3g} ± {row['sd']:.2g}, {row['off']:.0f} standard uncertainties apart."
-            )
-            lines += _scar_by_volume(posterior) if kind not in ("", "friction") else []
-    if lines:
-        lines = list(dict.fromkeys(lines))
-        lines.append(
-            "So either a measurement or the study is wrong, and no value of the unknowns mends it: do not "
-            "use the unknowns found before the cause is known. Their uncertainties are too small."
-        )
-    if posterior.data.courses:
-        length = float(np.median(some["noise.length"]))
-        longest = max(float(c.distance[-1]) for c in posterior.data.courses)
-        if length > OTHER_SHAPE * longest:
-            lines.append(
-                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured "
-                "course has another shape than the computed one."
-            )
-    return lines
+    each = zip(rows, [value.kind for value in values_of] + [""] * len(rows), strict=False)
+    bad = sorted((pair for pair in each if pair[0]["off"] > CONTRADICTION), key=lambda pair: -pair[0]["off"])
+    longest = max((float(course.distance[-1]) for course in posterior.data.courses), default=0.0)
+    length = float(np.median(some["noise.length"])) if longest else 0.0
+    text = filled(
+        "conflicts.txt",
+        escape=False,
+        conflict=CONFLICT,
+        rows=bad,
+        scar=_scar_by_volume(posterior),
+        length=length,
+        longest=longest,
+        most=OTHER_SHAPE * longest,
+    )
+    return [*dict.fromkeys(text.splitlines())]
 
 
-def _scar_by_volume(posterior: Posterior) -> list[str]:
-    """Say which scar the measured volumes make at rest, where a scar was measured, too."""
+def _scar_by_volume(posterior: Posterior) -> dict[str, Any] | None:
+    """Return which scar the measured volumes make at rest, where a scar was measured, too."""
     values, model = posterior.data.values, posterior.model
     scars = [value for value in values if value.kind == "scar"]
     bodies = {value.kind: value for value in values if value.kind.startswith("volume")}
     if not (scars and bodies and model.runs.scaled) or model.runs.inputs:
-        return []
+        return None
     volume = sum(value.value for value in bodies.values())
-    size = model.scar_of(volume)
     which = " and ".join(KINDS[kind][1] for kind in bodies)
-    return [
-        f"The reason: at rest all that wears lies in the scar. The {which}, {volume:.3g} mm³, makes one of "
-        f"{size:.2f} mm or more, and measured is {scars[0].value:.2f} mm."
-    ]
+    return {"bodies": which, "volume": volume, "size": model.scar_of(volume), "measured": scars[0].value}
