@@ -30,6 +30,7 @@ from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import FolderReport, Report, paged
 from warpwear.measured.rows import read_rows
+from warpwear.results.formats.forms import prose
 from warpwear.results.report import Row, times
 
 #: Number of a test -> its label and its unit.
@@ -42,15 +43,9 @@ ASKED = {
     "k_disc": ("K of the disc", "mm³/(N·m)"),
     "k": ("K", "mm³/(N·m)"),
 }
-HOW = (
-    "Mean ± s: arithmetic mean and standard deviation (n − 1) of the tests, by the trend of one load.",
-    "Scatter and next test: ln y = θ + Σ β ln x + t + ε, t normal with the scatter s between tests, ε with "
-    f"the error of each; the prior of s is half-normal, {PRIOR:g}; {100 * HELD:g} % of next tests lie there.",
-    "Left out: tests that lie in the interval that the others give. Needed: tests for the wanted error.",
-    "Measured and computed: each test beside what the others say of it, in errors of both.",
-    "Places of one test, entries with one name or steps of a record, are a mean and not tests; steps under "
-    "several loads are numbers by load.",
-)
+#: What its page says: sections, and how the numbers are found.
+TEXTS = prose("reports")["repeats"]
+HOW = [sentence.format(prior=PRIOR, held=100 * HELD) for sentence in TEXTS["how"]]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -106,7 +101,7 @@ class RepeatedTests(Report, FolderReport):
             "headline": headline(self.data),
             "sentence": str(self).split("\n")[1].strip(),
             "notes": [f"{test.name}: {note}" for test in self.tests for note in test.notes],
-            "how": list(HOW),
+            "how": HOW,
         }
         return [Row("", key, value) for key, value in content.items()]
 
@@ -128,10 +123,11 @@ class RepeatedTests(Report, FolderReport):
     def _parts(self, folder: Path) -> dict[str, Any]:
         columns = {key: [datum.entry[key] for datum in self.data] for key in COLUMNS}
         figures = {"courses": self._declared()} if any(test.course for test in self.tests) else {}
-        caption = "Each test, their mean and standard deviation, and where the next test will lie (90 %)."
-        layout, table = [("Courses", "courses", ("courses",), caption)], partial(write_csv, columns)
+        table = partial(write_csv, columns)
         lines = [str(self), "", *lines_of_data(self.data), *self.numbers["notes"]]
-        return paged(self, figures, layout, table, name=self._title().capitalize(), lines=lines, how=HOW)
+        return paged(
+            self, figures, TEXTS["sections"], table, name=self._title().capitalize(), lines=lines, how=HOW
+        )
 
 
 @named_in_python()

@@ -8,7 +8,7 @@ from warpwear.comparison.courses import told_of
 from warpwear.comparison.figures import figures_of
 from warpwear.comparison.groups import differences, told
 from warpwear.comparison.scar import record_of
-from warpwear.comparison.table import Comparison
+from warpwear.comparison.table import TEXTS, Comparison
 from warpwear.ensembles.datum import lines_of_data
 from warpwear.ensembles.page import answers_of, link_to
 from warpwear.figures.sections import under_headings
@@ -18,23 +18,14 @@ from warpwear.page.limits import limits_of
 
 #: Values of a key that are listed for a group.
 LISTED = 4
-PROFILES = "Mean of the middle eighth of the scar, at the end; of a track the mean section of its groove."
-GROOVE = "Measured with its standard error, from what such a mean finds on unworn surface."
-#: Sections of the page: heading, anchor, figures and what is said of them; courses are all other figures.
-SECTIONS = (
-    ("What wear has left", "profiles", ("profiles",), PROFILES),
-    ("Area against load", "loads", ("area_load",), ""),
-    ("The scar, measured and computed", "scar", ("scar",), "Both depths on one scale."),
-    ("Mean profiles of the scar", "groove", ("groove",), GROOVE),
-)
 
 
 def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) -> bytes:
     """Make the page. pictures: name of a figure -> PNG file; folder: where the page will lie, for links."""
     figures, runs, measured = figures_of(comparison), len(comparison.rows), len(comparison.experiments)
-    elsewhere = {name for _, _, names, _ in SECTIONS for name in names}
+    elsewhere = {name for _, _, names, _ in TEXTS["sections"] for name in names}
     courses = [name for name in figures if name not in elsewhere]
-    layout = [("Courses", "courses", courses, "Move over a chart to read its values."), *SECTIONS]
+    layout = [("Courses", "courses", courses, "Move over a chart to read its values."), *TEXTS["sections"]]
     groups = f" in {len(comparison.groups)} groups" * (len(comparison.groups) < runs)
     counts = [counted(runs, "run") + groups] * (runs > 0)
     counts += [counted(measured, "measured course")] * (measured > 0)

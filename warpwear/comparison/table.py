@@ -13,25 +13,12 @@ from warpwear.ensembles.page import titled, with_scatter
 from warpwear.ensembles.table import write_csv
 from warpwear.history.end_values import ENDS, Value
 from warpwear.history.quantities import Quantity
+from warpwear.results.formats.forms import prose
 from warpwear.results.report import aligned, shown, to_json, without_nan
 from warpwear.version import __version__
 
-SHAPES = (
-    "m and λ are of the coefficient of friction: exponent of its growth over the second half of the "
-    "distance, and its slope there over the early slope. For a run of constant shear strength without "
-    "ploughing they are those of the area that shears (area_shape in summary.json)."
-)
-#: Said where a run is swept.
-PASSES = (
-    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last cycle; m, λ and "
-    "differences from an experiment (rms) are of the means of whole passes."
-)
-
-#: Said where groups have several runs.
-BANDS = (
-    "Of several runs: mean ± standard deviation; figures show the mean and a band of 5 to 95 % of them, of "
-    "fewer than 19 from the least to the most."
-)
+#: How it is read.
+TEXTS = prose("reports")["compare"]
 #: Columns of values -> their units, without those of experiments.
 UNITS = {name: quantity.units for name, quantity in ENDS.items()}
 
@@ -60,7 +47,7 @@ class Comparison(Ensemble[RunData]):
     def readings(self) -> list[str]:
         """Say how the table is read: of bands, and of swept runs."""
         is_swept = any(run.study.is_swept for run in self.rows)
-        return [BANDS] * self.has_bands + [PASSES] * is_swept
+        return [TEXTS["bands"]] * self.has_bands + [TEXTS["passes"]] * is_swept
 
 
 def values_of(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[str, Value]]:
@@ -92,7 +79,7 @@ def to_text(comparison: Comparison) -> str:
     if comparison.scar is not None:
         sentences += lines_of(comparison.scar)
     notes = [f"note: {note}" for note in comparison.notes]
-    return "\n".join([*told_of(comparison.data), *aligned(cells), *sentences, SHAPES, *notes])
+    return "\n".join([*told_of(comparison.data), *aligned(cells), *sentences, TEXTS["shapes"], *notes])
 
 
 def write_table(comparison: Comparison, path: Path) -> None:
@@ -119,7 +106,7 @@ def write_json(comparison: Comparison, path: Path) -> None:
         "groups": {group.name: [run.name for run in group.rows] for group in comparison.groups},
         "folders": {run.name: str(run.folder) for run in comparison.rows},
         "units": UNITS,
-        "shapes": SHAPES,
+        "shapes": TEXTS["shapes"],
         "end_values": {run.name: run.summary.end_values for run in comparison.rows},
         "notes": comparison.notes,
         "data": {name: [datum.entry for datum in rows] for name, rows in comparison.data.items()},

@@ -17,6 +17,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
 from warpwear.measured.experiment import Experiment
 from warpwear.results.ensemble import in_legend, is_label
+from warpwear.results.formats.forms import prose
 from warpwear.sweeps.table import SweepResult, SweepRow
 
 #: Numbers with a power of ten.
@@ -25,10 +26,7 @@ NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 MOST_GROUPS = 28
 #: Values of two keys that have a colour and a kind of line each.
 COLOURS, KINDS = describe.GROUPS, describe.DASHES[:4]
-RANKS = "Rank correlation (Spearman) sees only what rises or falls throughout; of words and seeds η²."
-INDICES = (
-    "Bar: the total index, interactions included, with its interval of 95 %. Dot: the first-order index."
-)
+TEXTS = prose("reports")["sweep"]
 
 
 def figures_of(result: SweepResult, experiments: Sequence[Experiment] = ()) -> dict[str, Figure]:
@@ -112,12 +110,12 @@ def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
         bar = title, [names[key] for key in influence], np.array(list(influence.values()))
         if indices is None:
             axis = Axis("rank correlation; of words and seeds η²", low=-1.05, high=1.05)
-            bars.append(Bars(*bar, axis, note=RANKS))
+            bars.append(Bars(*bar, axis, note=TEXTS["ranks"]))
             continue
         order = [result.plan.keys.index(key) for key in influence]
         axis = Axis("Sobol's index: part of the variance", low=-0.05, high=1.05)
         ends, dots = indices.total_interval[:, order], indices.first[order]
-        bars.append(Bars(*bar, axis, ends, dots, note=INDICES))
+        bars.append(Bars(*bar, axis, ends, dots, note=TEXTS["indices"]))
     return Figure(bars, height=max(1.4, 0.3 * len(result.plan.keys) + 0.9))
 
 

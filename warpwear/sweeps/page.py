@@ -19,7 +19,7 @@ from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results.ensemble import band_name, is_label
-from warpwear.sweeps.figures import drawn, figures_of
+from warpwear.sweeps.figures import TEXTS, drawn, figures_of
 from warpwear.sweeps.table import SweepResult, SweepRow
 
 #: Rows of the table that the page shows; values of a key that it lists.
@@ -28,19 +28,6 @@ MOST_ROWS, MOST_VALUES = 200, 12
 MOST_FAILURES = 8
 #: Letters of a number that was drawn, and not written by a person.
 LONG = 12
-BANDS = "Mean of each group, in a band of its runs: 5 to 95 %, of fewer than 19 least to most."
-#: Sections of the page: heading, anchor, figures and what is said of them.
-SECTIONS = (
-    ("Courses", "courses", ("courses",), BANDS),
-    ("What decides them", "indices", ("tornado",), ""),
-    ("At the end, over what was varied", "ends", ("scatter", "heat_map"), ""),
-)
-#: What is no prediction.
-NOTES = {
-    "cof": "Not predicted: area × shear strength over load",
-    **dict.fromkeys(("volume_counter", "volume_disc"), "Not predicted: wear coefficient × load × distance"),
-}
-AN_INPUT = "An input: constant, or its shear strength is fitted so that it is met"
 
 
 def page(result: SweepResult, pictures: Mapping[str, bytes], experiments: Sequence[Experiment]) -> bytes:
@@ -65,7 +52,9 @@ def page(result: SweepResult, pictures: Mapping[str, bytes], experiments: Sequen
         "columns": [*plan.names.values(), *map(titled, known)],
         "total": total,
         "study": plan.study.to_toml(),
-        "sections": under_headings(figures, SECTIONS, one_legend=drawn(result, experiments).one_legend),
+        "sections": under_headings(
+            figures, TEXTS["sections"], one_legend=drawn(result, experiments).one_legend
+        ),
         "failed": failures(result),
     }
     return page_of("sweep.html", content, pictures)
@@ -89,7 +78,7 @@ def _card(result: SweepResult, everyone: Group[SweepRow], quantity: Quantity) ->
         text = f"{least:.3g} to {most:.3g}" if least < most else f"{least:.4g}"
         error = f"least and most of {len(known)} runs"
     is_input = quantity.name == "cof" and result.plan.study.friction.ends_as_given
-    note = AN_INPUT if is_input else NOTES.get(quantity.name, "")
+    note = TEXTS["input"] if is_input else TEXTS["notes"].get(quantity.name, "")
     return Answer(quantity.label.capitalize(), text, quantity.unit, error, input_note=note)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.friction.analysis import Analysis, analyse
 from warpwear.measured.friction.figures import course_figure, figures_of
-from warpwear.measured.friction.report import HOW, rows_of, table_of
+from warpwear.measured.friction.report import HOW, TEXTS, rows_of, table_of
 from warpwear.measured.motion import Motion, Radius, motion_of
 from warpwear.measured.report import FileReport, FolderReport, paged
 from warpwear.measured.rows import Paths, read_rows, without_offset
@@ -18,8 +18,6 @@ from warpwear.results.report import lines
 
 #: Page and table of a record.
 PAGE, TABLE = "record.html", "record.csv"
-CAPTION = "Means, with the standard deviation of the points within; the part that the steady value is of."
-SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -62,7 +60,7 @@ class FrictionRecord(FileReport, FolderReport):
     def _parts(self, folder: Path) -> dict[str, Any]:
         figures = figures_of(self.analysis)
         name, said = f"Record {self.analysis.rows.path.name}", {"lines": lines(self.rows), "how": HOW}
-        return paged(self, figures, SECTIONS, table_of(self.analysis), name=name, **said)
+        return paged(self, figures, TEXTS["sections"], table_of(self.analysis), name=name, **said)
 
 
 @named_in_python()

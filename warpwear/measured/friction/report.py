@@ -13,6 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import FEWEST, LEAST, PENALTY, Steady, line_with_error
 from warpwear.measured.friction.states import states_rows, states_text
+from warpwear.results.formats.forms import prose
 from warpwear.results.report import Row, aligned, shown
 from warpwear.results.report import record as record_of
 
@@ -22,15 +23,9 @@ FEW, SHARE = 4.0, 0.25
 CHANGES = 6
 #: What is said of how hot the contact gets: no record says what its bodies are made of.
 NO_HEAT = "not known: no conductivity of the disc, the counter-body; a run of the test tells"
-#: How the numbers are found, in sentences.
-HOW = (
-    f"Levels: the least squared error with a penalty of {PENALTY:g} σ² τ ln n for each change (PELT of "
-    "ruptures); σ is the scatter of n laps or groups of them, τ how many scatter together.",
-    "Steady value: end of a line through the last level without its first third; ± covers 68 %, noise that "
-    "goes together and a drift counted.",
-    "Incubation and jump: 10 and 90 % of the way between the levels beside the steepest rise.",
-    "Energy: load × coefficient over the distance.",
-)
+#: What its page says: sections, and how the numbers are found.
+TEXTS = prose("reports")["record"]
+HOW = [sentence.format(penalty=PENALTY) for sentence in TEXTS["how"]]
 
 
 def rows_of(analysis: Analysis) -> list[Row]:
@@ -93,7 +88,7 @@ def notes_of(analysis: Analysis) -> list[Row]:
         Row("note", "notes", list(notes.values())[::-1]),
         Row("steps left out", "steps_left_out", list(analysis.left_out)),
         Row("temperature", "flash_unknown", NO_HEAT),
-        Row("", "how", list(HOW)),
+        Row("", "how", HOW),
     ]
 
 
