@@ -8,18 +8,10 @@ from typing import Any
 from warpwear.calibration.measurements import Tests, Value, checked_tests
 from warpwear.calibration.repeated import Repeated
 from warpwear.calibration.wear import LARGEST, WornVolume, mean_of_places, wear_coefficient
-from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
+from warpwear.calibration.worn import SOURCES, TEXTS, sources_of, worn_volume
 from warpwear.errors import InputError, named_in_python
 from warpwear.measured.options import optional
 from warpwear.results.report import Row, scientific, times
-
-#: ASTM test methods: sources they go with, and what they take for granted.
-STANDARDS = {
-    "g99-ball": (("scar",), "ASTM G99, spherical pin end: no wear of the disc"),
-    "g99-disc": (("width",), "ASTM G99, disc: no wear of the ball"),
-    "g133-ball": (("scar",), "ASTM G133, ball: a flat scar, its mean diameter"),
-    "g133-flat": (("section",), "ASTM G133, flat: mean cross-section × stroke"),
-}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -236,13 +228,13 @@ def calibrate_wear(
         raise InputError(f"{' and '.join(labels.values())} {why}")
     relation = SOURCES[name].relation
     if standard is not None:
-        if standard not in STANDARDS:
-            raise InputError(f"--standard is {standard!r}: allowed is one of {', '.join(STANDARDS)}")
-        if name not in STANDARDS[standard][0]:
-            raise InputError(f"--standard {standard} is for {STANDARDS[standard][0][0]}, not {labels[name]}")
-        relation = STANDARDS[standard][1]
+        if (method := TEXTS["standards"].get(standard)) is None:
+            raise InputError(f"--standard is {standard!r}: allowed is one of {', '.join(TEXTS['standards'])}")
+        if name != method["source"]:
+            raise InputError(f"--standard {standard} is for {method['source']}, not {labels[name]}")
+        relation = method["relation"]
     elif name == "scar" and all(len(test.scar) > 1 for test in checked.values() if test.scar):
-        relation = TWO_DIAMETERS
+        relation = TEXTS["two_diameters"]["relation"]
     taken = {named: checked[named] for named, _ in measured}
     for named, test in taken.items():
         for key, what in (("load", "the normal load, such as '8 N'"), ("distance", "such as '2400 mm'")):

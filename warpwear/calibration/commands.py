@@ -77,7 +77,7 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
     if file is None:
         tests = [{SOURCES[option]: value} for option, values in sources.items() for value in values]
         option, before = next(iter(sources)), o["--before"] or ()
-        goes = worn.SOURCES[SOURCES[option]].needs + worn.SOURCES[SOURCES[option]].may_have
+        goes = [*worn.SOURCES[SOURCES[option]].needs, *worn.SOURCES[SOURCES[option]].may_have]
         for name in [name for name in alike if name not in (*goes, "load")] if len(sources) == 1 else ():
             allowed = ", ".join(map(flag, goes)) or "no length"
             raise InputError(f"{flag(name)} is not for {option}: allowed with it is {allowed}")

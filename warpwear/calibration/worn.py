@@ -1,5 +1,6 @@
 """Kinds of measurement from which a worn volume follows, and the volume of each."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ from warpwear.calibration import wear as volumes
 from warpwear.calibration.measurements import MeasuredTest, size_and_error
 from warpwear.errors import InputError
 from warpwear.measured.surface import Kind, Preparation, worn_in
+from warpwear.results.formats.forms import prose
 
 
 @dataclass(frozen=True)
@@ -20,32 +22,15 @@ class Source:
 
     relation: str
     worn: str | None = None
-    needs: tuple[str, ...] = ()
-    may_have: tuple[str, ...] = ()
+    needs: Sequence[str] = ()
+    may_have: Sequence[str] = ()
     file: Kind | None = None
 
 
-_SEGMENT = "width of a circular track; an unworn ball's circular section"
-_TRACK = "topography of the track, or a profile across it; mean net section × length"
-_AFTER = "topographies of the scar's place before and after; net volume lost"
-_BALL = "topography of the ball; lost below the counter-body through what is unworn"
-#: Keys of a test -> what a worn volume follows from.
-SOURCES = {
-    "volume": Source("a measured volume"),
-    "volume_counter": Source("a measured volume", "counter"),
-    "volume_disc": Source("a measured volume", "disc"),
-    "scar": Source("diameter of the worn patch; flat cap", "counter", needs=("radius",)),
-    "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
-    "section": Source(
-        "cross-section of a groove × length", "disc", needs=("track_length",), may_have=("track_radius",)
-    ),
-    "profile": Source(
-        _TRACK, "disc", needs=("track_length",), may_have=("track_width", "track_radius"), file="track"
-    ),
-    "after": Source(_AFTER, "disc", file="scar"),
-    "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
-}
-TWO_DIAMETERS = "two diameters of the worn patch; flat cap, its width their mean"
+#: Kinds of measurement and ASTM test methods, see there.
+TEXTS = prose("worn")
+#: Key of a test -> what a worn volume follows from.
+SOURCES = {key: Source(**said) for key, said in TEXTS["sources"].items()}
 
 
 def sources_of(test: MeasuredTest) -> list[str]:
