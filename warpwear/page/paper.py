@@ -8,7 +8,7 @@ from warpwear.history.distances import with_unit
 from warpwear.history.end_values import Summary
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import BODIES, CALLED, said
-from warpwear.page.words import Answer, disc_of, motion_of, source_of
+from warpwear.page.words import WORDS, Answer
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.rules import um
@@ -26,10 +26,9 @@ LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 
 def methods_of(study: Study, s: Summary) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
-    about: Any = {"disc": disc_of(study), "motion": motion_of(study, s.distance)}
-    about |= {"source": source_of(study, s), "wear": said(study.wear_laws)}
+    about: Any = {"wear": said(study.wear_laws)}
     about["layers"] = "; the ".join("{1}'s {2} ({3}, {4})".format(*layer) for layer in layers_of(study))
-    return " ".join(filled("methods.txt", escape=False, study=study, s=s, **about).split())
+    return " ".join(filled("methods.txt", WORDS, escape=False, study=study, s=s, **about).split())
 
 
 def layers_of(study: Study) -> list[tuple[str, ...]]:

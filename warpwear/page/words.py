@@ -21,6 +21,12 @@ from warpwear.study.text import readable
 Lines: TypeAlias = list[dict[str, Any]]  # of a table, name of a column -> value
 #: What checks allow: part of a volume off Archard's, and of the area by the length of steps.
 CONSERVED, STEPS = 1e-10, 0.1
+#: Filters of words.txt.
+WORDS: dict[str, Any] = {
+    "file_name": lambda path: Path(path or "").name,
+    "radii": lambda circles: listed([f"{radius:.4g}" for radius in circles]),
+    "with_unit": with_unit,
+}
 APPROACH = "from the mean planes; below zero only peaks reach across"
 
 
@@ -36,45 +42,9 @@ class Answer:
     input_note: str = ""
 
 
-def disc_of(study: Study) -> str:
-    """Say what the disc is."""
-    disc = study.disc
-    if study.study.model == "macro" or (disc.synthetic and disc.synthetic.kind == "flat"):
-        return "a smooth disc"
-    if disc.synthetic is None:
-        return f"the measured disc {Path(disc.surface or '').name}"
-    if disc.synthetic.like:
-        return f"a disc made like the profile {Path(disc.synthetic.like).name}"
-    kind, ra, sq = disc.synthetic.kind, disc.synthetic.ra, disc.synthetic.sq
-    height = f"Ra {1e3 * ra:.3g} µm" if ra else f"Sq {1e3 * (sq or 0.0):.3g} µm"
-    return f"a made {kind} disc of {height}"
-
-
-def motion_of(study: Study, distance: float) -> str:
-    """Say how it moves. distance: that it has slid [mm]."""
-    if not study.sliding.total:
-        return "is pressed at rest"
-    slid = f"slides {with_unit(distance)}"
-    if study.fretting is not None:
-        drive, cycles = study.fretting, distance / study.fretting.cycle
-        stroke = f"a stroke of {1e3 * drive.stroke:.4g} µm"
-        way = stroke if drive.force is None else f"a force of ± {drive.force:.4g} N"
-        return f"frets {cycles:.6g} cycles by {way}"
-    if study.circles:
-        return f"{slid} along tracks of {listed([f'{radius:.4g}' for radius in study.circles])} mm radius"
-    return f"{slid} along a track" if study.is_swept else f"{slid} on the same place of the disc"
-
-
 def asked_of(study: Study, distance: float) -> str:
     """Say in one sentence what the run was to find. distance: that it has slid [mm]."""
-    load = f"under {study.loads}" + (f" in {len(study.block)} blocks" if study.block else "")
-    more = ", how much is worn off" if study.sliding.total else ""
-    law = "the local law" if study.contact.law == "local" else "the half-space"
-    what = f"A {study.counter.title} on {disc_of(study)} {motion_of(study, distance)} {load}"
-    return (
-        f"{what}: how large is the scar, how much of it touches and under what pressure{more}, and what is "
-        f"the coefficient of friction at the end? Model: {study.study.model}, {law}."
-    )
+    return filled("asked.txt", WORDS, escape=False, study=study, distance=distance)
 
 
 def answers_of(study: Study, s: Summary) -> list[Answer]:
@@ -127,14 +97,6 @@ def _cof(study: Study, s: Summary) -> Answer:
     note = "An input" if fitted else "Not predicted: as good as the shear strength"
     error = "as good as that input" if fitted else s.verdict.area
     return _answer(ENDS["cof"], f"{s.cof:.3g}", error=error, note=friction_of(study, s), input_note=note)
-
-
-def source_of(study: Study, s: Summary) -> str:
-    """Say where the shear strength comes from."""
-    if study.friction.fitted:
-        when = "end" if study.friction.fitted == "end" else "start"
-        return f"fitted to a coefficient of {study.friction.coefficient:g} at the {when}"
-    return "assumed" if "friction.shear_strength" in s.assumptions else "given by the study"
 
 
 def trust_of(study: Study, s: Summary, assumptions: Lines, checks: Lines) -> list[str]:
