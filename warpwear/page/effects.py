@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from warpwear.history.end_values import Summary
 from warpwear.laws.archard import BODIES
-from warpwear.page.limits import CONDITIONS
+from warpwear.page.limits import applies
 from warpwear.results.formats.forms import prose
 from warpwear.results.report import shown
 from warpwear.study.study import Study
@@ -54,7 +54,7 @@ SOFTER = "The softer body's is the largest pressure of a cell. "
 
 def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> tuple[Weight, str]:
     """Say what another value of an assumed key would change. numbers: of the run, as of `numbers_of`."""
-    is_softer = key in {f"{body}.hardness" for body in BODIES} and CONDITIONS["softer body"](study)
+    is_softer = key in {f"{body}.hardness" for body in BODIES} and applies("softer body", study)
     name = "contact.hardness" if is_softer else key
     known = [effect for effect in EFFECTS if name in effect.keys]
     known = known or [effect for effect in EFFECTS if "unknown" in effect.keys]
@@ -65,7 +65,7 @@ def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> tuple[Weight, 
 
 def _holds(condition: str, study: Study, numbers: dict[str, Any]) -> bool:
     name = condition.removeprefix("not ")
-    holds = OF_NUMBERS[name](numbers) if name in OF_NUMBERS else CONDITIONS[name](study)
+    holds = OF_NUMBERS[name](numbers) if name in OF_NUMBERS else applies(name, study)
     return holds == (name == condition)
 
 

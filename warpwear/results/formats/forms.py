@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
@@ -27,6 +28,17 @@ def filled(
     )
     environment.filters.update(filters)
     return environment.get_template(form).render(content)
+
+
+@cache
+def _expression(text: str) -> Any:
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
+    return environment.compile_expression(text, undefined_to_none=False)
+
+
+def holds(condition: str, **content: Any) -> bool:
+    """Tell whether a condition holds, an expression as forms have it. content: name in it -> value."""
+    return bool(_expression(condition)(**content))
 
 
 def prose(name: str) -> dict[str, Any]:
