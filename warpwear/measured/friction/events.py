@@ -149,23 +149,25 @@ def events_of(laps: LapMeans) -> Events:
     bounds = _levels(cof)
     steady = _steady(laps, bounds[-2])
     jump, after = _jump(laps, bounds)
-    overshoot = None
     first = int(np.searchsorted(laps.distance, steady.start)) if steady else cof.size
-    if steady is not None and jump is not None and first - after >= BESIDE:
-        means = np.convolve(cof[after:first], np.full(BESIDE, 1.0 / BESIDE), mode="valid")
-        over = float(means.max()) - steady.value
-        spread = _scatter(cof[first:]) / math.sqrt(BESIDE)
-        overshoot = over if over > OVER * math.hypot(steady.error, spread) else None
-    beyond = None
+    overshoot, beyond = None, None
+    if steady is not None and jump is not None:
+        overshoot = _over(cof[after:first], steady.value, _scatter(cof[first:]), steady.error)
     if jump is not None:  # from twice to thrice as far as the jump's end is the level that follows
         places = np.searchsorted(laps.distance, [2.0 * jump.end, 3.0 * jump.end])
         level = cof[places[0] : places[1]]
         if level.size >= BESIDE:
-            means = np.convolve(cof[after : places[0]], np.full(BESIDE, 1.0 / BESIDE), mode="valid")
-            over = float(means.max() - np.median(level))
-            beyond = over if over > OVER * _scatter(level) / math.sqrt(BESIDE) else None
+            beyond = _over(cof[after : places[0]], float(np.median(level)), _scatter(level))
     changes = tuple(float(0.5 * (laps.distance[k - 1] + laps.distance[k])) for k in bounds[1:-1])
     return Events(changes=changes, jump=jump, steady=steady, overshoot=overshoot, overshoot_after=beyond)
+
+
+def _over(values: FloatArray, level: float, scatter: float, error: float = 0.0) -> float | None:
+    """Return how far means of groups in a row rise above a level with an error; None where they do not."""
+    if values.size < BESIDE:
+        return None
+    over = float(np.convolve(values, np.full(BESIDE, 1.0 / BESIDE), mode="valid").max()) - level
+    return over if over > OVER * math.hypot(error, scatter / math.sqrt(BESIDE)) else None
 
 
 def line_with_error(values: FloatArray) -> tuple[float, float, float, float, float]:
