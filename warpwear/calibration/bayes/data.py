@@ -13,10 +13,10 @@ from warpwear.calibration.measurements import (
     MeasuredTest,
     Tests,
     check_conditions,
+    checked_tests,
     conditions_of,
     in_file,
     size_and_error,
-    tests_of,
 )
 from warpwear.calibration.scatter import Scatter
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
@@ -65,13 +65,8 @@ class MeasuredValue:
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredCourse:
+class MeasuredCourse(Experiment):
     """Hold a measured coefficient of friction over the distance slid [mm], both (points,), thinned."""
-
-    name: str
-    distance: FloatArray
-    cof: FloatArray
-    notes: tuple[str, ...] = ()
 
     @property
     def thirds(self) -> list[slice]:
@@ -145,8 +140,7 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
     """
     courses, both = [], []
     tables, own = in_file(tests)[1] if isinstance(tests, str | Path) else tests, conditions_of(study)
-    for number, test in enumerate(tests_of(tables, **own), 1):
-        named = f"test.{number}"
+    for named, test in checked_tests(tables, **own).items():
         check_conditions(test, named, study)
         if test.record is not None:
             courses.append(_course(study, test.record, columns))

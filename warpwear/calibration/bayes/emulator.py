@@ -97,25 +97,23 @@ class GaussianProcess:
 
 @dataclass(eq=False)
 class Emulator:
-    """A course over inputs: places (runs, inputs), courses (runs, points), of one run a constant.
+    """A course over inputs: places (runs, inputs), positive courses (runs, points), of one run a constant.
 
-    Positive courses are emulated by their logarithms. Errors larger than expected widen the variance.
-    scatter: standard deviation of what no component holds, (points,), from point to point on its own.
+    They are emulated by their logarithms; `together` takes others. Errors larger than expected widen the
+    variance. scatter: standard deviation of what no component holds, (points,), of each point on its own.
     """
 
     places: FloatArray
     courses: FloatArray
 
     def __post_init__(self) -> None:
-        self.logarithmic = bool((self.courses > 0.0).all())
-        scaled = np.log(self.courses) if self.logarithmic else self.courses
+        self.logarithmic, scaled = True, np.log(self.courses)
         self.mean = scaled.mean(axis=0)
         self.shapes = np.zeros((0, self.mean.size))
         self._processes: list[GaussianProcess] = []
         self.error, self._wider, self.scatter = 0.0, np.zeros(0), np.zeros(self.mean.size)
         varying = scaled - self.mean
-        largest = float(np.abs(scaled).max())
-        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(1.0, largest):
+        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(1.0, np.abs(scaled).max()):
             return
         _, sizes, shapes = np.linalg.svd(varying, full_matrices=False)
         part = np.cumsum(sizes**2) / np.sum(sizes**2)
@@ -129,8 +127,7 @@ class Emulator:
         errors, variances = map(np.array, zip(*(p.left_out for p in self._processes), strict=True))
         self._wider = np.maximum(1.0, np.mean(errors**2 / variances, axis=1))
         predicted = self.mean + (weights - errors.T) @ self.shapes
-        size = 1.0 if self.logarithmic else largest
-        self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2))) / size
+        self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2)))
 
     @classmethod
     def together(cls, places: FloatArray, courses: Sequence[FloatArray]) -> list["Emulator"]:

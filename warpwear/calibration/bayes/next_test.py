@@ -5,6 +5,7 @@ uncertainties of this test, adds information; the variance of the unknown itself
 the posterior, for one more test and for many.
 """
 
+import math
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,27 +30,20 @@ MOST_REPEATS, REACHED = 100, 0.10
 ALLOWED = ("contact.load", "sliding.distance", "counter.radius")
 
 
-@dataclass(frozen=True)
-class NextTest:
-    """A test that could be made: what differs, and the relative standard uncertainty that it would leave."""
-
-    label: str
-    repeats: int
-    now: float
-    expected: float
-
-
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Changes of the study, how often the test is made, and its model; None for that of the test itself.
+    """A test that could be made: changes of the study, how often, and its model; None for that of the test.
 
-    extent: the field [mm] that holds its scar, where that of the test is too small.
+    extent: the field [mm] that holds its scar, where that of the test is too small. now, expected: the
+    relative standard uncertainty of the target, and what this test would leave of it.
     """
 
     changes: Mapping[str, Any]
     repeats: int = 1
     model: ForwardModel | None = None
     extent: float | None = None
+    now: float = math.nan
+    expected: float = math.nan
 
     @property
     def label(self) -> str:
@@ -91,7 +85,7 @@ def _candidate(text: str) -> Candidate:
 
 def best_tests(
     posterior: Posterior, values: Mapping[str, FloatArray], target: str, candidates: Sequence[Candidate]
-) -> list[NextTest]:
+) -> list[Candidate]:
     """Rank tests by the uncertainty of an unknown that they leave, the best first.
 
     values: samples of the posterior. Raises InputError.
@@ -101,7 +95,7 @@ def best_tests(
     tests = []
     for candidate in candidates:
         part = _left(known, candidate.repeats * information(_after(posterior, candidate), some), slopes)
-        tests.append(NextTest(candidate.label, candidate.repeats, now, now * part))
+        tests.append(replace(candidate, now=now, expected=now * part))
     return sorted(tests, key=lambda test: test.expected)
 
 

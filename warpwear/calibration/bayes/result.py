@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from warpwear.calibration.bayes import figures
 from warpwear.calibration.bayes.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
 from warpwear.calibration.bayes.likelihood import Posterior
-from warpwear.calibration.bayes.next_test import MOST_REPEATS, REACHED, NextTest
+from warpwear.calibration.bayes.next_test import MOST_REPEATS, REACHED, Candidate
 from warpwear.calibration.bayes.sampler import Samples, split_of, spread_of
 from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.errors import InputError
@@ -54,7 +54,7 @@ class Inference:
         Sentences on what the study cannot bring together.
     target : str or None
         The unknown that the next test is sought for.
-    tests : tuple of NextTest
+    tests : tuple of Candidate
         Tests ranked for it.
     repeats : dict
         Wear coefficient -> how many more tests like this bring it to ± 10 %, None where none do.
@@ -69,7 +69,7 @@ class Inference:
     identified: Identified
     conflicts: tuple[str, ...]
     target: str | None
-    tests: tuple[NextTest, ...]
+    tests: tuple[Candidate, ...]
     repeats: Mapping[str, int | None]
     seed: int
 
