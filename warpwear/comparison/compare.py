@@ -12,7 +12,7 @@ from warpwear.comparison.figures import FIGURES, figures_of
 from warpwear.comparison.groups import RunData, folders_of, grouped, is_sweep, read_run, unlike
 from warpwear.comparison.notes import notes_of, other_motion
 from warpwear.comparison.page import page
-from warpwear.comparison.scar import ScarFiles, compare_scar
+from warpwear.comparison.scar import compare_scar
 from warpwear.comparison.table import UNITS, Comparison, to_text, values_of, write_json, write_table
 from warpwear.ensembles.ensemble import rms_difference
 from warpwear.errors import InputError, in_python, named_in_python
@@ -150,8 +150,8 @@ def compare(
     courses = [experiment_of(r, m.over(of_runs)) for r, m in zip(rows, own, strict=True)]
     measured = _named(courses, records, [group.name for group in groups])
     groups = [replace(g, rows=tuple(_beside(run, measured) for run in g.rows)) for g in groups]
-    files = None if scar is None else ScarFiles(Path(scar), None if before is None else Path(before), how)
-    scars = None if files is None else compare_scar(files, runs)
+    earlier = None if before is None else Path(before)
+    scars = None if scar is None else compare_scar(Path(scar), earlier, how, runs)
     other = dict.fromkeys(text for motion in own for text in other_motion(motion, of_runs))
     return ComparedRuns(tuple(groups), measured, (*left_out, *other, *notes_of(groups, measured)), scars)
 

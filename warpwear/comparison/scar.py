@@ -1,8 +1,8 @@
 """A measured wear scar beside the computed ones: depth maps and mean profiles on one scale, and numbers."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from warpwear.comparison.groups import RunData
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import extents
-from warpwear.measured.surface import worn_in
+from warpwear.measured.surface import Preparation, worn_in
 from warpwear.measured.surface_report import patch_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
@@ -38,15 +38,6 @@ REACH = 0.25
 FOOT = 1e-3
 
 
-@dataclass(frozen=True)
-class ScarFiles:
-    """Hold files of a worn disc and of its place before, None without one, and how they are read."""
-
-    after: Path
-    before: Path | None = None
-    preparation: Mapping[str, Any] = field(default_factory=dict)
-
-
 @dataclass(frozen=True, eq=False)
 class ComputedScar:
     """Hold what a run has taken off the disc, at the points of the measured scar."""
@@ -64,7 +55,8 @@ class ComputedScar:
 class ScarComparison:
     """Hold a measured scar and those of runs, each laid where it agrees with the measured one best."""
 
-    files: ScarFiles
+    after: Path
+    before: Path | None
     measured: Patch
     profile: ScarProfile
     sq: float  # in the inner scar of the later measurement, without its form [µm]
@@ -78,15 +70,17 @@ class ScarComparison:
         return extent(self.x, self.y, self.measured.pixel[0] / 2, self.measured.pixel[1] / 2)
 
 
-def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
-    """Measure a scar and lay those that runs have computed over it.
+def compare_scar(
+    after: Path, before: Path | None, preparation: Preparation, runs: Sequence[RunData]
+) -> ScarComparison:
+    """Measure a scar and lay those that runs have computed over it. before: the same place, None without.
 
     Raises InputError where no scar is found, no run has a whole field of wear, or sizes differ as units do.
     """
     known = [run for run in runs if "profile_disc" in run.courses]
     if not known:
         raise InputError("--scar needs a run with a snapshot of its whole field to compare with")
-    worn = worn_in(files.after, "scar", files.preparation, before=files.before)
+    worn = worn_in(after, "scar", preparation, before=before)
     scar, surface, changed = worn.body, worn.source, worn.changed
     profile = mean_profile(scar)
     heights = surface.measured if changed is None else surface.measured[changed.window]
@@ -96,7 +90,7 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
     x, y = x - middle[0] * (not through), y - middle[1]
     computed = tuple(_computed(run, scar, profile, x, y, through=through) for run in known)
     sq = 1e3 * texture(_inner(heights, scar), cell=scar.pixel[0]).sq
-    return ScarComparison(files, scar, profile, sq, x, y, computed)
+    return ScarComparison(after, before, scar, profile, sq, x, y, computed)
 
 
 def _computed(
@@ -216,10 +210,9 @@ def lines_of(scar: ScarComparison) -> list[str]:
 
 
 def _rows_measured(scar: ScarComparison) -> list[Row]:
-    before = scar.files.before
     return [
-        Row("file", "file", str(scar.files.after)),
-        Row("before", "before", None if before is None else str(before)),
+        Row("file", "file", str(scar.after)),
+        Row("before", "before", None if scar.before is None else str(scar.before)),
         *patch_rows(scar.measured),
         Row("Sq in the scar", "sq_um", scar.sq, digits=3, note="(its middle, form taken off)"),
     ]
