@@ -13,8 +13,9 @@ from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
 from warpwear.figures.sections import under_headings
 from warpwear.figures.style import check_format, write_figure
-from warpwear.page.folder import Content, WrittenAsFolder, write_report
+from warpwear.page.folder import Content, write_report
 from warpwear.results.folder import check_folder
+from warpwear.results.formats.forms import prose
 from warpwear.results.frames import package
 from warpwear.results.report import VALUES, Row, lines, record, to_json, without_nan
 from warpwear.version import __version__
@@ -25,10 +26,7 @@ html = lazy.module("warpwear.page.html")
 FORMATS = (".png", ".pdf", ".svg")
 #: Lines that a person reads at once, of which one says what was written; how labels begin of the others.
 MOST_LINES = 9
-SIDE_NUMBERS: tuple[str, ...] = ("filtered", "bearing", "Sal", "roll-off", "lay", "single sections")
-SIDE_NUMBERS += ("summed", "mean profile", "shifted", "turned", "correlation", "shared", "unworn part")
-SIDE_NUMBERS += ("points", "missing", "form", "rows", "within a", "independent", "level changes")
-SIDE_NUMBERS += ("overshoot", "note", "loop of", "Rp", "Rv", "Rsk", "Rku", "Rk", "Rmrk")
+SIDE_NUMBERS = tuple(prose("reports")["brief"]["side_numbers"])
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -152,7 +150,7 @@ class FileReport(Report):
         return in_python(brief(self.text))
 
 
-class FolderReport(WrittenAsFolder):
+class FolderReport:
     """A report is written as a folder of its own, which a file that only such ones have tells from others."""
 
     #: That file, and what such a folder is called in sentences.
@@ -169,7 +167,29 @@ class FolderReport(WrittenAsFolder):
         """Give what `write_report` takes: figures, pages, files and older ones. folder: for links."""
         raise NotImplementedError
 
-    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
+    def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
+        """Write page, tables and figures into a folder, all of them or none.
+
+        Parameters
+        ----------
+        folder : path
+            A new or an empty one, or with overwrite that of one of its kind.
+        file_format : {"png", "pdf", "svg"}
+            Of the figures.
+        overwrite : bool
+            Whether to replace what was written of its kind into the folder.
+
+        Returns
+        -------
+        list of Path
+            Of all files.
+
+        Raises
+        ------
+        InputError
+            For a folder that holds other files, or another format.
+        """
+        folder = Path(folder)
         self.check_out(folder, file_format=file_format, overwrite=overwrite)
         return write_report(folder, **self._parts(folder), marks=[self.MARK], file_format=file_format)
 

@@ -18,37 +18,6 @@ Content: TypeAlias = str | bytes | Callable[[Path], object]
 Page: TypeAlias = Callable[[Mapping[str, bytes]], str | bytes]
 
 
-class WrittenAsFolder:
-    """What is written as a folder of its own has page, tables and figures."""
-
-    def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
-        """Write page, tables and figures into a folder, all of them or none.
-
-        Parameters
-        ----------
-        folder : path
-            A new or an empty one, or with overwrite that of one of its kind.
-        file_format : {"png", "pdf", "svg"}
-            Of the figures.
-        overwrite : bool
-            Whether to replace what was written of its kind into the folder.
-
-        Returns
-        -------
-        list of Path
-            Of all files.
-
-        Raises
-        ------
-        InputError
-            For a folder that holds other files, or another format.
-        """
-        return self._write(Path(folder), file_format=file_format, overwrite=overwrite)
-
-    def _write(self, folder: Path, *, file_format: str, overwrite: bool) -> list[Path]:
-        raise NotImplementedError
-
-
 def write_report(
     folder: Path,
     figures: Mapping[str, Figure],

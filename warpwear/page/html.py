@@ -29,15 +29,6 @@ PLOTLY = "plotly.min.js.gz"
 TEMPLATES = Path(__file__).parent.parent / "templates"
 #: Colours of a scale that the page's script interpolates.
 SHADES = 12
-#: Kinds of line as SVG draws them.
-STROKES = {
-    "solid": "",
-    "dash": "8 5",
-    "dashdot": "8 3 2 3",
-    "dot": "2 4",
-    "longdash": "14 5",
-    "longdashdot": "14 4 2 4",
-}
 
 
 def render(template: str, filters: Mapping[str, Callable[..., Any]], **content: Any) -> str:
@@ -117,7 +108,7 @@ def _section(section: PageSection) -> dict[str, Any]:
     legend: dict[str, tuple[str, str]] = {}
     for plot in plots if section.one_legend else ():
         plot["bare"] = True
-        legend |= {line["name"]: (line["colour"], STROKES[line["dash"]]) for line in plot["lines"]}
+        legend |= {line["name"]: (line["colour"], line["dash"]) for line in plot["lines"]}
     named, slider = [(name, *look) for name, look in legend.items()], maps[0]["labels"] if maps else []
     return {**vars(section), "plots": plots, "slider": slider, "legend": named}
 
