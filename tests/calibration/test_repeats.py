@@ -14,7 +14,7 @@ from measured.cases_courses import Truth, made
 
 import warpwear
 from warpwear.calibration.measurements import Value
-from warpwear.calibration.pair_tests import PairTest, RepeatedNumber
+from warpwear.calibration.scatter import PairTest, RepeatedNumber
 from warpwear.cli.main import commands
 from warpwear.ensembles.datum import CONTRADICTION, Datum, headline, worst_of
 from warpwear.errors import InputError

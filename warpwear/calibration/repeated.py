@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests
-from warpwear.calibration.pair_tests import PairTest, RepeatedNumber
-from warpwear.calibration.scatter import Scatter
+from warpwear.calibration.scatter import PairTest, RepeatedNumber, Scatter
 from warpwear.ensembles.datum import headline
 from warpwear.errors import InputError
 from warpwear.figures.wording import counted

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import OFF, MeasuredTest, Value, checked_tests
-from warpwear.calibration.pair_tests import CONDITIONS, PairTest, RepeatedNumber
 from warpwear.calibration.repeats_text import figure_of, text_of
-from warpwear.calibration.scatter import HELD, PRIOR, Scatter
+from warpwear.calibration.scatter import CONDITIONS, HELD, PRIOR, PairTest, RepeatedNumber, Scatter
 from warpwear.calibration.wear import wear_coefficient
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
 from warpwear.ensembles.datum import COLUMNS, Datum, headline, lines_of_data

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.calibration.pair_tests import CONDITIONS
-from warpwear.calibration.scatter import HELD, ScatterModel
+from warpwear.calibration.scatter import CONDITIONS, HELD, ScatterModel
 from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look

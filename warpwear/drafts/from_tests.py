@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import OFF
-from warpwear.calibration.pair_tests import PairTest
 from warpwear.calibration.repeats import RepeatedTests, repeats
 from warpwear.calibration.repeats_text import with_s
+from warpwear.calibration.scatter import PairTest
 from warpwear.calibration.worn import SOURCES
 from warpwear.errors import InputError
 from warpwear.measured.friction.states import StatesFit, fit_states, part_of, untold
