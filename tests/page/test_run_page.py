@@ -26,8 +26,8 @@ from warpwear.page.content import content_of, words_of, write_page
 from warpwear.page.effects import EFFECTS, OF_NUMBERS, Weight, effect_of, numbers_of
 from warpwear.page.html import run_page
 from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
-from warpwear.page.paper import latex_of, to_latex
 from warpwear.page.plots import coded, thinned
+from warpwear.page.words import latex_of, to_latex
 
 MOST = 6e6  # bytes of a page
 #: Keys of which more is known than that a sweep tells.

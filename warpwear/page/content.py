@@ -11,7 +11,7 @@ from warpwear import lazy
 from warpwear.errors import InputError, explained
 from warpwear.figures.of_run.table import Plotter
 from warpwear.history.end_values import Summary
-from warpwear.page import paper, words
+from warpwear.page import words
 from warpwear.page.limits import limits_of
 from warpwear.page.sections import sections_of
 from warpwear.results import manifest
@@ -49,13 +49,13 @@ def top_of(result: ResultFile) -> dict[str, Any]:
 def words_of(result: ResultFile) -> dict[str, Any]:
     """Collect all texts of the page by name."""
     study, top = result.study, top_of(result)
-    methods, table = paper.methods_of(study, top["s"]), paper.table_of(study, top["s"], top["answers"])
+    methods, table = words.methods_of(study, top["s"]), words.table_of(study, top["s"], top["answers"])
     return top | {
         "limits": limits_of(study),
         "summary": summary_text(summarise(result)),
         "methods": methods,
         "table": table,
-        "latex": paper.latex_of(study, methods, table),
+        "latex": words.latex_of(study, methods, table),
         "version": top["s"].version,
     }
 
