@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.measurements import OFF, MeasuredTest, Value, checked_tests
-from warpwear.calibration.repeats_text import figure_of, text_of
+from warpwear.calibration.repeats_text import TEXTS, figure_of, text_of
 from warpwear.calibration.scatter import CONDITIONS, HELD, PRIOR, PairTest, RepeatedNumber, Scatter
 from warpwear.calibration.wear import wear_coefficient
 from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
@@ -29,21 +29,9 @@ from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity, with_unit
 from warpwear.measured.report import FolderReport, Report, paged
 from warpwear.measured.rows import read_rows
-from warpwear.results.formats.forms import prose
 from warpwear.results.report import Row, times
 
-#: Number of a test -> its label and its unit.
-ASKED = {
-    "level": ("level of friction", ""),
-    "incubation": ("incubation", "mm"),
-    "jump": ("length of the jump", "mm"),
-    "overshoot": ("overshoot", ""),
-    "k_counter": ("K of the ball", "mm³/(N·m)"),
-    "k_disc": ("K of the disc", "mm³/(N·m)"),
-    "k": ("K", "mm³/(N·m)"),
-}
-#: What its page says: sections, and how the numbers are found.
-TEXTS = prose("reports")["repeats"]
+#: How the numbers are found.
 HOW = [sentence.format(prior=PRIOR, held=100 * HELD) for sentence in TEXTS["how"]]
 
 
@@ -223,7 +211,7 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
     found = {}
     for kind in _kinds(tests):
         asked, at_load, load = kind.partition(" at ")
-        label, unit = ASKED[asked]
+        said = TEXTS["numbers"][asked]
         some = tuple(test for test in tests if kind in test.values)
         if not any(test.values[kind].value for test in some):
             continue
@@ -236,7 +224,8 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
             if np.max(values) > (1.0 + OFF) * np.min(values)  # of known ones
         )
         middle = {name: math.exp(float(np.mean(np.log(known[name])))) for name in over}
-        number = RepeatedNumber(kind, some, over, {**middle, **at}, f"{label}{at_load}{load}", unit)
+        label = f"{said['label']}{at_load}{load}"
+        number = RepeatedNumber(kind, some, over, {**middle, **at}, label, said["unit"])
         if not number.pair.is_known:
             told = " and ".join(over)
             raise InputError(
@@ -249,9 +238,9 @@ def _numbers_of(tests: tuple[PairTest, ...], at: Mapping[str, float]) -> dict[st
 
 
 def _kinds(tests: Iterable[PairTest]) -> list[str]:
-    """Name the numbers that tests have, in the order of `ASKED`."""
+    """Name the numbers that tests have, in the order of reports.toml."""
     kinds = dict.fromkeys(kind for test in tests for kind in test.values)
-    return sorted(kinds, key=lambda kind: [*ASKED].index(kind.partition(" at ")[0]))
+    return sorted(kinds, key=lambda kind: [*TEXTS["numbers"]].index(kind.partition(" at ")[0]))
 
 
 def _read(tests: Any, *, given: Mapping[str, Any], how: Mapping[str, Any]) -> tuple[PairTest, ...]:

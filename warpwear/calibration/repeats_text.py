@@ -12,12 +12,13 @@ from warpwear.ensembles.ensemble import EnsembleRow, Group
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.results.ensemble import in_legend
+from warpwear.results.formats.forms import prose
 from warpwear.results.report import aligned, scientific, shown
 
 #: Places at which the next test's course is computed, at most.
 PLACES = 120
-#: Numbers of a test as a paper calls them.
-SYMBOLS = {"level": "μ =", "k_counter": "K of the ball", "k_disc": "K of the disc", "k": "K"}
+#: What is said of them: their page, and what their numbers are called.
+TEXTS = prose("reports")["repeats"]
 
 
 def _for_people(told: Mapping[str, Any]) -> tuple[float, str]:
@@ -42,8 +43,8 @@ def sentence(tests: Sequence[Any], told: Mapping[str, Mapping[str, Any]]) -> str
     for name, row in told.items():
         some = f" (n = {row['n']})" * (row["n"] != count)
         kind, under, load = name.partition(" at ")
-        if kind in SYMBOLS:
-            parts.append(f"{SYMBOLS[kind]} {with_s(row)}{under}{load}{some}")
+        if symbol := TEXTS["numbers"][kind].get("symbol"):
+            parts.append(f"{symbol} {with_s(row)}{under}{load}{some}")
         elif name == "incubation":
             having = [test for test in tests if name in test.values]
             laps = [test.laps for test in having if test.laps]
