@@ -7,8 +7,7 @@ import pytest
 from scipy import stats
 
 from warpwear import InputError
-from warpwear.batches.design import Design, factors_of
-from warpwear.batches.distributions import distribution
+from warpwear.batches.design import Design, distribution, factors_of
 from warpwear.sweeps.command import values_of_text, varied
 from warpwear.sweeps.indices import sobol
 from warpwear.sweeps.page import _short

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.batches.distributions import Distribution, distribution
+from warpwear.batches.design import Distribution, distribution
 from warpwear.calibration.bayes.data import Data
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
