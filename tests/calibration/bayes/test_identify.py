@@ -11,7 +11,7 @@ from warpwear import Study
 from warpwear.batches.plan import read_plan
 from warpwear.calibration.bayes.data import Data, MeasuredCourse, MeasuredValue
 from warpwear.calibration.bayes.identify import conflicts_of, identify
-from warpwear.calibration.bayes.report import write_report
+from warpwear.calibration.bayes.result import write_report
 from warpwear.calibration.bayes.sampler import split_of, spread_of
 
 

@@ -15,7 +15,7 @@ from warpwear.batches.plan import read_plan
 from warpwear.calibration.bayes import infer as inferring
 from warpwear.calibration.bayes.data import Data, MeasuredValue
 from warpwear.calibration.bayes.next_test import Candidate, best_tests, repeats_needed
-from warpwear.calibration.bayes.report import calibrated
+from warpwear.calibration.bayes.result import calibrated
 
 
 def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:

@@ -11,7 +11,7 @@ import click
 from warpwear.batches.batch import LOG
 from warpwear.calibration.bayes.data import data_of
 from warpwear.calibration.bayes.infer import ROUGHNESS, infer
-from warpwear.calibration.bayes.report import CALIBRATED, FITTED, content_of
+from warpwear.calibration.bayes.result import CALIBRATED, FITTED, content_of
 from warpwear.calibration.bayes.runs import cost_of
 from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.calibration.measurements import in_file

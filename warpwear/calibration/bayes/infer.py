@@ -20,8 +20,7 @@ from warpwear.calibration.bayes.next_test import (
     place_of,
     repeats_needed,
 )
-from warpwear.calibration.bayes.report import SAMPLES_FILE, write_report, write_samples
-from warpwear.calibration.bayes.result import Inference
+from warpwear.calibration.bayes.result import SAMPLES_FILE, Inference, write_report, write_samples
 from warpwear.calibration.bayes.runs import make_runs, wide_enough
 from warpwear.calibration.bayes.sampler import sample
 from warpwear.calibration.bayes.unknowns import Unknown, noise_for, unknowns_of

@@ -1,29 +1,37 @@
-"""What an inference found: samples of the unknowns, what they mean, and what they predict."""
+"""What an inference found: samples of the unknowns, what they mean and predict, and the folder it leaves."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from html import escape
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+import tomli_w
 
 from warpwear.calibration.bayes import figures
 from warpwear.calibration.bayes.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.bayes.next_test import MOST_REPEATS, REACHED, Candidate
+from warpwear.calibration.bayes.runs import other_surfaces
 from warpwear.calibration.bayes.sampler import Samples, split_of, spread_of
 from warpwear.calibration.bayes.unknowns import Unknown
+from warpwear.ensembles.table import write_csv
 from warpwear.errors import InputError
-from warpwear.figures import describe
+from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
-from warpwear.figures.wording import counted
+from warpwear.figures.wording import counted, short
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
+from warpwear.page.folder import Content
+from warpwear.page.folder import write_report as write_folder
+from warpwear.page.html import embedded, render
+from warpwear.results import manifest
 from warpwear.results.ensemble import band
 from warpwear.results.formats.forms import filled
 from warpwear.results.frames import package
-from warpwear.results.report import aligned
+from warpwear.results.report import aligned, to_json
 from warpwear.study.study import Study
 
 #: Place near the end of a uniform prior, 10 % of it, and the part of samples beyond, from which it presses.
@@ -36,6 +44,14 @@ FARTHER = 5.0
 POINTS = 150
 #: Parts of the posterior that a table and a band show [%].
 BAND = (5.0, 95.0)
+#: File of the study with what was inferred, and of one that misses the data.
+CALIBRATED, FITTED = "calibrated.toml", "fitted.toml"
+#: File of the samples.
+SAMPLES_FILE = "posterior.csv"
+#: Correlation of two unknowns from which a sweep takes joint draws: distributions would be independent.
+JOINT = 0.5
+#: Runs of the sweep in the calibrated study.
+SAMPLES = 64
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -213,7 +229,7 @@ class Inference:
         """
         return computed(self.posterior, self._some)
 
-    def plot(self, name: str) -> Figure:
+    def plot(self, name: str) -> Any:
         """Draw a figure.
 
         Parameters
@@ -233,7 +249,7 @@ class Inference:
         """
         return paint(self.declared(name))
 
-    def declared(self, name: str) -> describe.Figure:
+    def declared(self, name: str) -> Figure:
         """Declare a figure.
 
         Parameters
@@ -324,3 +340,107 @@ def _wider(unknown: Unknown, end: str) -> str:
         low, high = first - (second - first), second + (second - first)
     ends = (max(low, unknown.least), second) if end == "lower" else (first, min(high, unknown.most))
     return f"{unknown.prior.kind} {ends[0]:.4g} .. {ends[1]:.4g} {unknown.unit}".rstrip()
+
+
+def write_report(inference: Inference, folder: Path) -> list[Path]:
+    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return the files.
+
+    The study is fitted.toml instead where it misses the data.
+    """
+    studies, text = (CALIBRATED, FITTED), calibrated(inference)
+    study, other = reversed(studies) if inference.misses else studies
+    names = ["course", "corner"] if inference.posterior.data.distance.size else ["corner"]
+    figures = {name: inference.declared(name) for name in names}
+    files: dict[str, Content] = {
+        SAMPLES_FILE: partial(write_samples, inference.posterior.unknowns, inference.values),
+        "posterior.json": to_json(content_of(inference)) + "\n",
+        study: text,
+        "inference.html": _page(inference, figures, study=study, text=text),
+    }
+    (folder / other).unlink(missing_ok=True)  # of an inference before, in the same folder
+    return write_folder(folder, figures, files=files, within=manifest.FIGURES)
+
+
+def _page(inference: Inference, figures: Mapping[str, Figure], *, study: str, text: str) -> str:
+    """Fill the page. study, text: name and content of the file of the study."""
+    data = inference.posterior.data
+    content: dict[str, Any] = {"inference": inference, "written": study, "calibrated": text}
+    content["notes"] = [(c.name, c.notes) for c in data.courses] + [("data", data.notes)] * bool(data.notes)
+    content["pictures"] = {name: embedded(figure) for name, figure in figures.items()}
+    return render("inference.html", {"number": lambda value: short(float(f"{value:.3g}"))}, **content)
+
+
+def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], path: Path) -> None:
+    """Write samples of the posterior as CSV. values: key -> (samples,)."""
+    units = {unknown.key: f" [{unknown.unit}]" if unknown.unit else "" for unknown in unknowns}
+    write_csv({f"{key}{units[key]}": column.tolist() for key, column in values.items()}, path)
+
+
+def content_of(inference: Inference) -> dict[str, Any]:
+    """Return all numbers of an inference, ready for JSON."""
+    names = {"test": "label", "tests": "repeats", "relative_now": "now", "relative_expected": "expected"}
+    tests = [{key: getattr(test, name) for key, name in names.items()} for test in inference.tests]
+    return {
+        "study": inference.study.study.name,
+        "unknowns": inference.table,
+        "correlations": inference.correlations.tolist(),
+        "measured": inference.computed(),
+        "sentences": inference.sentences,
+        "indistinct": [list(group.keys) for group in inference.identified.indistinct],
+        "untouched": list(inference.identified.untouched),
+        "hardly_told": list(inference.identified.hardly),
+        "target": inference.target,
+        "next_tests": tests,
+        "more_tests_to_10_percent": inference.more_tests,
+        "samples": {name: getattr(inference.samples, name) for name in ("effective", "r_hat", "steps")},
+        "runs": len(inference.posterior.model.runs.rows),
+        "emulator_error": inference.posterior.model.error,
+    }
+
+
+def calibrated(inference: Inference) -> str:
+    """Return the study with the medians of its unknowns, and a [sweep] over their uncertainty, as TOML.
+
+    Unknowns that go together are drawn together: a list of joint draws instead of distributions.
+    """
+    unknowns = inference.posterior.model.unknowns
+    medians = {u.key: u.text(float(np.median(inference.values[u.key]))) for u in unknowns}
+    try:
+        study = inference.study.replace(medians)
+        if inference.misses:  # every run of it says so
+            name, text = inference.study.study.name, inference.study.study.description
+            misses = f"FITTED TO DATA THAT IT MISSES, not calibrated. {inference.conflicts[0]} {text}".strip()
+            named = {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
+            study = study.replace(named)
+    except InputError as error:
+        return f"# No study can have the medians of the unknowns: {error}\n"
+    count = len(unknowns)
+    apart = np.abs(inference.correlations[:count, :count] - np.eye(count)).max() < JOINT
+    surfaces = other_surfaces(study, SAMPLES) if inference.posterior.model.runs.inputs else {}
+    if apart:
+        vary: dict[str, Any] = {u.key: _distribution(u, inference) for u in unknowns}
+        section: dict[str, Any] = {"design": "sobol", "samples": SAMPLES}
+        note = "# The unknowns hardly go together: each has a distribution of its own.\n"
+    else:
+        vary = {u.key: [u.text(float(v)) for v in inference.values[u.key][:SAMPLES]] for u in unknowns}
+        section = {"design": "zip", "band_over": [*(u.key for u in unknowns), *surfaces]}
+        note = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
+    how = "by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep."
+    head = f"# Calibrated {how}\n"
+    if inference.misses:
+        why = "".join(f"# {line}\n" for line in inference.conflicts)
+        head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
+    tables = tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
+    return head + study.to_toml() + "\n" + note + tables
+
+
+def _distribution(unknown: Unknown, inference: Inference) -> str:
+    """Write a posterior as a distribution of a sweep."""
+    column = inference.values[unknown.key]
+    mean, deviation, _ = spread_of(column)
+    kind, cut = "normal", ""
+    if unknown.least >= 0.0 and mean > 0.0 and (unknown.prior.is_logarithmic or mean < 4.0 * deviation):
+        kind = "log-normal"
+    elif mean <= 5.0 * deviation:
+        cut = f" within {max(unknown.least, float(column.min())):.6g} .. {float(column.max()):.6g}"
+    return f"{kind} {mean:.6g} +- {deviation:.3g}{cut} {unknown.unit}".rstrip()
