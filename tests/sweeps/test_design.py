@@ -10,7 +10,7 @@ from warpwear import InputError
 from warpwear.batches.design import Design, distribution, factors_of
 from warpwear.sweeps.command import values_of_text, varied
 from warpwear.sweeps.indices import sobol
-from warpwear.sweeps.page import _short
+from warpwear.sweeps.report import _short
 
 #: Samples by which a distribution is looked at.
 MANY = 4096
