@@ -8,7 +8,7 @@ from cases_instruments import rough
 
 import warpwear
 from warpwear import Study
-from warpwear.batches.points import points_of
+from warpwear.batches.plan import points_of
 from warpwear.errors import InputError
 from warpwear.study.surface import surface_in
 

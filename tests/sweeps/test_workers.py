@@ -14,8 +14,7 @@ from cases_sweeps import VARY, address_in, processes, small
 
 from warpwear import InputError
 from warpwear.batches.batch import make_runs
-from warpwear.batches.plan import Plan, section_of
-from warpwear.batches.points import task_of
+from warpwear.batches.plan import Plan, section_of, task_of
 from warpwear.batches.run_one import RunRow, run_one
 from warpwear.engine.workers import Here, WorkerDiedError, Workers, local_workers
 from warpwear.results.folder import LOCK

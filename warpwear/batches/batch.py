@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from warpwear.batches.cluster import connected
-from warpwear.batches.plan import Plan
-from warpwear.batches.points import task_of
+from warpwear.batches.plan import Plan, task_of
 from warpwear.batches.run_one import RunRow, RunTask, is_there, run_one
 from warpwear.clock import lasting
 from warpwear.engine.device import find_device, gpu_count, usable_cores

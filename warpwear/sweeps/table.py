@@ -12,8 +12,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.batches.batch import RUNS
-from warpwear.batches.plan import Plan
-from warpwear.batches.points import Point
+from warpwear.batches.plan import Plan, Point
 from warpwear.batches.run_one import RunRow
 from warpwear.ensembles.ensemble import Ensemble, EnsembleRow, Group
 from warpwear.ensembles.table import write_csv
