@@ -1,7 +1,7 @@
 """How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 #: What the command line and Python call by different names, for the sentences of both.
@@ -65,6 +65,18 @@ def named_in_python() -> Iterator[None]:
     except InputError as error:
         error.args = (in_python(str(error)),)
         raise
+
+
+@contextmanager
+def reworded(words: Callable[[str], str] | Mapping[str, str]) -> Iterator[None]:
+    """Say the sentence of an InputError in other words: by a function, or old ones -> new ones."""
+    try:
+        yield
+    except InputError as error:
+        text = error.sentence if isinstance(words, Mapping) else words(error.sentence)
+        for old, new in words.items() if isinstance(words, Mapping) else ():
+            text = text.replace(old, new)
+        raise InputError(text) from error.__cause__
 
 
 class InvariantError(InputError):

@@ -8,7 +8,7 @@ from typing import Any
 from warpwear.calibration.measurements import Tests, Value, check_conditions, checked_tests
 from warpwear.calibration.scatter import PairTest, RepeatedNumber, Scatter
 from warpwear.ensembles.datum import headline
-from warpwear.errors import InputError
+from warpwear.errors import InputError, reworded
 from warpwear.figures.wording import counted
 from warpwear.measured.report import Report
 from warpwear.result import opened
@@ -155,14 +155,9 @@ def each_test(
             raise InputError(f"{named}.friction is at a distance: allowed is that of the whole test")
         numbers = {key: value for key, value in values.items() if isinstance(value, Value)}
         values |= {key: number.value for key, number in numbers.items()}
-        try:
+        with reworded({f"--{name}": f"{named}.{key}" for key, name in names.items()}):
             found[named] = one(**given, **{names[key]: value for key, value in values.items()})
             row = found[named].headline
-        except InputError as error:
-            text = error.sentence
-            for key, name in names.items():
-                text = text.replace(f"--{name}", f"{named}.{key}")
-            raise InputError(text) from error.__cause__
         of = {key: n.value - offset * (key == "friction") for key, n in numbers.items()}
         shares = [row.value * n.error / of[key] for key, n in numbers.items() if n.error]
         headlines.append(replace(row, error=math.hypot(row.uncertainty[1] or 0.0, *shares) or None))

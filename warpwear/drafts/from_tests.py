@@ -12,7 +12,7 @@ from warpwear.calibration.repeats import RepeatedTests, repeats
 from warpwear.calibration.repeats_text import with_s
 from warpwear.calibration.scatter import PairTest
 from warpwear.calibration.worn import SOURCES
-from warpwear.errors import InputError
+from warpwear.errors import InputError, reworded
 from warpwear.measured.friction.states import StatesFit, fit_states, part_of, untold
 from warpwear.study.content import Content
 from warpwear.study.keys import alternatives_of, attribute_of, dotted
@@ -55,15 +55,10 @@ def from_tests(
     sized = {"counter.radius", "counter.diameter"} & given.keys()
     ball = {"radius": (study.counter.nominal_radius, "mm")} if sized else {}
     listed = [ball | dict(test if isinstance(test, Mapping) else {"record": test}) for test in tests]
-    try:
+    with reworded({f"--{option} '": f"--set {key}='" for option, key in READ.items()}):
         found = repeats(listed, **read)
         if "load" in known and _differ([test.conditions.get("load", math.nan) for test in found.tests]):
             found = repeats(listed, at={"load": known["load"]}, **read)
-    except InputError as error:
-        text = error.sentence
-        for option, key in READ.items():
-            text = text.replace(f"--{option} '", f"--set {key}='")
-        raise InputError(text) from error
     values, origins = {"study.description": f"measured: {found.numbers['sentence']}"}, dict(given)
     conditions = _conditions(found.tests, like, listed, given)
     for name, value, origin in (*conditions, *_numbers(found, listed, given)):

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias, TypedDict, Unpack, get_args
 import numpy as np
 from pydantic import ValidationError
 
-from warpwear.errors import InputError, named_in_python
+from warpwear.errors import InputError, named_in_python, reworded
 from warpwear.measured import profile_report, surface_report
 from warpwear.measured.options import Options, flag, optional, quantity, refuse, with_unit
 from warpwear.measured.report import FileReport
@@ -408,7 +408,7 @@ def _profile_in(file: str | Path, preparation: Preparation) -> Profile:
     """Read the profile in a file. Raises InputError, for options that are for maps, too."""
     of_maps = {flag(key): value for key, value in preparation.items() if key not in LINE}
     refuse(of_maps, "is for a map of heights, and FILE holds a profile")
-    try:
+    with reworded(with_options):
         disc = _disc(file, preparation)  # refuses what is not allowed
         return profile_in(
             file,
@@ -419,8 +419,6 @@ def _profile_in(file: str | Path, preparation: Preparation) -> Profile:
             crop=disc.crop,
             deviations=disc.outliers,
         )
-    except InputError as error:
-        raise InputError(with_options(str(error))) from error
 
 
 def _degree(level: Any) -> int:
@@ -433,10 +431,8 @@ def _degree(level: Any) -> int:
 
 def _read(file: str | Path, preparation: Preparation) -> Measured:
     """Read a map of heights, prepared by keys of [disc]. Raises InputError."""
-    try:
+    with reworded(with_options):
         surface: Any = surface_of(_disc(file, preparation))
-    except InputError as error:
-        raise InputError(with_options(str(error))) from error
     if surface.is_profile:
         raise HoldsAProfile(f"the file '{file}' holds a profile (line scan), and no map of heights")
     return surface

@@ -14,7 +14,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.batches.design import Distribution, distribution
 from warpwear.calibration.bayes.data import Data
-from warpwear.errors import InputError
+from warpwear.errors import InputError, reworded
 from warpwear.grid import FloatArray
 from warpwear.laws.friction import STRENGTH
 from warpwear.study.keys import attribute_of, key_of, no_such_key
@@ -197,10 +197,8 @@ def _about(key: str, value: float | None, unit: str) -> Distribution:
 
 def _read(text: str, key: str) -> Distribution:
     """Read a prior. Raises InputError."""
-    try:
+    with reworded({"sweep.vary": "the prior of"}):
         return distribution(text, key)
-    except InputError as error:
-        raise InputError(str(error).replace("sweep.vary", "the prior of")) from None
 
 
 def _in_unit(prior: Distribution, unit: str, key: str) -> Distribution:
