@@ -23,7 +23,7 @@ from warpwear.cli.main import commands
 from warpwear.figures import process
 from warpwear.history.end_values import Summary
 from warpwear.page.content import content_of, words_of, write_page
-from warpwear.page.effects import EFFECTS, OF_NUMBERS, Weight, effect_of, numbers_of
+from warpwear.page.effects import EFFECTS, Weight, effect_of, numbers_of
 from warpwear.page.html import run_page
 from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
 from warpwear.page.plots import coded, thinned
@@ -192,7 +192,7 @@ def test_sentences_are_all_reached() -> None:
     """Each limit has conditions that there are; each sentence on an assumption is that of a key or a case."""
     of_effects = {name.removeprefix("not ") for effect in EFFECTS for name in effect.conditions}
     of_limits = {name for names in LIMITS for name in names.split(", ")}
-    assert of_limits | of_effects | {"softer body"} == {*CONDITIONS, *OF_NUMBERS}
+    assert of_limits | of_effects | {"softer body"} == {*CONDITIONS}
     with warpwear.run(Study.load("v3-fine").replace(PLAIN)) as result:
         for key in WITH_EFFECTS:
             weight, sentence = effect_of(

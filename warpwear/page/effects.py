@@ -4,7 +4,6 @@ The sentences stand in templates/effects.toml; here are the run's own numbers, a
 """
 
 import math
-from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, NamedTuple
 
@@ -39,14 +38,6 @@ EFFECTS = [
     for name, sentence in sentences.items()
     for keys, _, conditions in [name.partition(" | ")]
 ]
-#: Percentages of the area in contact at the hardness: above, it decides; below, it hardly matters.
-MOST, FEW = 50.0, 1.0
-#: Conditions on the numbers of a run, beside those on its study.
-OF_NUMBERS: dict[str, Callable[[dict[str, Any]], bool]] = {
-    "most at hardness": lambda numbers: numbers["capped"] > MOST,
-    "few at hardness": lambda numbers: numbers["capped"] <= FEW,
-    "strength known": lambda numbers: bool(numbers["coefficients"]),
-}
 #: How sentences on the preset begin; and one on a body's hardness, where the study gives none of the contact.
 FINE = "In the preset v3-fine (local law, the disc lies still)"
 SOFTER = "The softer body's is the largest pressure of a cell. "
@@ -58,15 +49,9 @@ def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> tuple[Weight, 
     name = "contact.hardness" if is_softer else key
     known = [effect for effect in EFFECTS if name in effect.keys]
     known = known or [effect for effect in EFFECTS if "unknown" in effect.keys]
-    chosen = [effect for effect in known if all(_holds(c, study, numbers) for c in effect.conditions)]
+    chosen = [effect for effect in known if all(applies(c, study, **numbers) for c in effect.conditions)]
     text = " ".join(effect.sentence.format(key=key, fine=FINE, **numbers) for effect in chosen)
     return min(effect.weight for effect in chosen), SOFTER * is_softer + text
-
-
-def _holds(condition: str, study: Study, numbers: dict[str, Any]) -> bool:
-    name = condition.removeprefix("not ")
-    holds = OF_NUMBERS[name](numbers) if name in OF_NUMBERS else applies(name, study)
-    return holds == (name == condition)
 
 
 def numbers_of(study: Study, s: Summary) -> dict[str, Any]:

@@ -4,6 +4,7 @@ The sentences stand in templates/limits.toml; their conditions, and those of eff
 """
 
 import math
+from typing import Any
 
 from warpwear.results.formats.forms import holds, prose
 from warpwear.study.study import Study
@@ -23,6 +24,7 @@ def limits_of(study: Study) -> list[str]:
     ]
 
 
-def applies(name: str, study: Study) -> bool:
-    """Tell whether a condition, by its name, holds of a study."""
-    return holds(CONDITIONS[name], study=study, infinity=math.inf)
+def applies(name: str, study: Study, **numbers: Any) -> bool:
+    """Tell whether a condition, by its name, or not that one, holds of a study, or of numbers of a run."""
+    condition = name.removeprefix("not ")
+    return holds(CONDITIONS[condition], study=study, infinity=math.inf, **numbers) == (name == condition)
