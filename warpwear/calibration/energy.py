@@ -10,7 +10,7 @@ from warpwear.calibration.measurements import Tests
 from warpwear.calibration.repeated import CalibratedTests, each_test
 from warpwear.errors import InputError, named_in_python
 from warpwear.laws.archard import BODIES
-from warpwear.measured.options import COF, Options, number, quantity
+from warpwear.measured.options import COF, Options, number, optional, quantity
 from warpwear.measured.report import Report
 from warpwear.result import Run, opened
 from warpwear.results.report import Row, lines, table
@@ -156,7 +156,7 @@ def calibrate_energy(
     force, slid = o.load, o.distance
     if cof is None:
         raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
-    mu, size = number("--cof", cof, COF), o.optional("--area", "mm^2")
+    mu, size = number("--cof", cof, COF), optional("--area", area, "mm^2")
     return EnergyCalibration(
         energy=1e-3 * mu * force * slid,
         distance=slid,

@@ -13,7 +13,7 @@ from warpwear.errors import InputError, named_in_python
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
-from warpwear.measured.options import COF, PLOUGHING, Options, number, quantity
+from warpwear.measured.options import COF, PLOUGHING, Options, number, optional, quantity
 from warpwear.measured.report import Report
 from warpwear.result import Run, opened
 from warpwear.results.report import Row, lines, table
@@ -155,7 +155,7 @@ def calibrate_friction(
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
         o.refuse("--cof", "--ploughing", why="and --experiment exclude each other: the fit finds it")
-        reading = {"stroke": o.optional("--stroke", "mm"), "speed": o.optional("--speed", "mm/s")}
+        reading = {"stroke": optional("--stroke", stroke, "mm"), "speed": optional("--speed", speed, "mm/s")}
         return _of_curve(Path(experiment), result, area, reading | {"columns": columns})
     o.refuse("--columns", "--stroke", "--speed", why="needs --experiment: it says how that file is read")
     if cof is None:

@@ -55,10 +55,6 @@ class Options(dict[str, Any]):
     def __getitem__(self, option: str) -> Any:
         return self.get(option.removeprefix("--").replace("-", "_"))
 
-    def optional(self, option: str, unit: str, *, allowed: Range = POSITIVE) -> float | None:
-        """Turn an option's text into a number in a unit; None, where it was left out, stays None."""
-        return optional(option, self[option], unit, allowed=allowed)
-
     def refuse(self, *options: str, why: str) -> None:
         """Raise InputError for the first of these options that has a value; why: goes on after its name."""
         refuse({option: self[option] for option in options}, why)

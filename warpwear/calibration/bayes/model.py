@@ -77,7 +77,7 @@ class ForwardModel:
             patch = 0.5 * (along + runs.course("patch_across")[1])
             if runs.scaled:
                 lines = np.array([_without_stairs(line) for line in patch])
-                self._values["scar"] = self._course(distance, lines, "scar")
+                self._values["scar"] = self._places(distance), *self._emulators([lines], "scar")
             else:
                 self._values["scar"] = self._end(patch[:, -1], "scar")
         for kind in self.kinds & {"sq_counter", "sq_disc"}:
@@ -166,11 +166,6 @@ class ForwardModel:
         """Return the laws of wear, whose numbers that are unknown have the shape (samples, 1)."""
         study = self.study
         return study.wear.laws(study.pair.wear_hardness, study.friction, _columns(values))
-
-    def _course(self, distance: FloatArray, courses: FloatArray, name: str) -> tuple[FloatArray, Emulator]:
-        """Return the places of a course and its emulator."""
-        (emulator,) = self._emulators([courses], name)
-        return self._places(distance), emulator
 
     def _places(self, distance: FloatArray) -> FloatArray:
         """Return the places of a course: worn depth a pressure [mm³/N] where it scales, or its distances."""

@@ -13,7 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import FEWEST, LEAST, PENALTY, Steady, line_with_error
 from warpwear.measured.friction.states import states_rows, states_text
-from warpwear.results.formats.forms import prose
+from warpwear.results.formats.forms import filled, prose
 from warpwear.results.report import Row, aligned, shown
 from warpwear.results.report import record as record_of
 
@@ -79,7 +79,8 @@ def notes_of(analysis: Analysis) -> list[Row]:
     warnings = [w.removeprefix("Warning: ") for step in analysis.steps for w in step.course.warnings]
     doubts: dict[str, list[str]] = {}
     for step in analysis.steps:
-        for doubt in _doubts(step):
+        said = filled("unsteady.txt", escape=False, steady=step.events.steady, share=SHARE, few=FEW)
+        for doubt in said.splitlines():
             doubts.setdefault(doubt, []).append(step.name)
     for doubt, names in doubts.items():
         warnings.append(doubt + (f" (step {', '.join(names)})" if names[0] else "") + ".")
@@ -90,21 +91,6 @@ def notes_of(analysis: Analysis) -> list[Row]:
         Row("temperature", "flash_unknown", NO_HEAT),
         Row("", "how", HOW),
     ]
-
-
-def _doubts(step: RecordStep) -> list[str]:
-    """Say what makes the steady value of a step doubtful, in sentences without their ends."""
-    steady = step.events.steady
-    if steady is None:
-        return ["There are too few means behind the last change of level for a steady value with an error"]
-    if abs(steady.drift) > steady.drift_95 > 0.0:
-        way = "rises" if steady.drift > 0.0 else "falls"
-        return [f"The course still {way}: it is not steady, and the steady value is that of its end"]
-    if steady.share < SHARE:
-        return ["The level changed late: the steady value is that of the end, and may go on changing"]
-    if steady.independent < FEW:
-        return [f"The course wanders so slowly that a steady value is of less than {FEW:g} independent means"]
-    return []
 
 
 def step_rows(step: RecordStep) -> list[Row]:
