@@ -1,6 +1,6 @@
 """One row for each datum: what was measured, what was computed, and their difference in errors."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,13 +44,18 @@ class Datum:
         return f"{self.name}: {numbers}, {abs(self.off):.1f} errors apart{' (fitted)' * self.fitted}"
 
 
+def worst_of(data: Iterable[Datum]) -> Datum | None:
+    """Return the datum that is farthest off; one that was fitted only where it contradicts, or is alone."""
+    rows = [*data]
+    told = [d for d in rows if not d.fitted or abs(d.off) > CONTRADICTION] or rows
+    return max(told, key=lambda datum: abs(datum.off), default=None)
+
+
 def headline(data: Sequence[Datum]) -> str:
     """Say which datum is the worst, and how many agree that were not fitted."""
-    if not data:
+    if (worst := worst_of(data)) is None:
         return "no datum to hold it against"
-    # one that was fitted only where it contradicts, or is alone
-    told = [d for d in data if not d.fitted or abs(d.off) > CONTRADICTION] or data
-    worst, free = max(told, key=lambda d: abs(d.off)), [d for d in data if not d.fitted]
+    free = [datum for datum in data if not datum.fitted]
     good = sum(abs(datum.off) <= CONTRADICTION for datum in free)
     count = f"{good} of {len(free)} agree within {CONTRADICTION:g} errors" if free else "all were fitted"
     return f"worst of {len(data)}: {worst}; {count}"

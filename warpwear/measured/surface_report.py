@@ -39,7 +39,10 @@ FLAT = "none: the surface is flat"
 #: Every sixth of them is shown to people.
 SHOWN_CUT_OFF = 6
 #: Key in a measured surface's own record -> name for people.
-ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")} | {
+ROUGHNESS = {
+    "sa_um": "Sa",
+    "sq_um": "Sq",
+    "sz_um": "Sz",
     "ssk": "Ssk",
     "sku": "Sku",
     "rms_slope": "rms slope",
@@ -181,11 +184,7 @@ def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
     net = [_spread(track.net), Row("", "error", 1e6 * track.net_error)]
     volume, error = track.volume()
     rough, measured = "with the roughness in it", f"{ERROR} over the measured {track.length:.4g} mm"
-    doubt = None
-    if error > DOUBTED * abs(volume):
-        doubt = (
-            "neither volume nor width is told from the surface's own waviness: --before FILE takes that off"
-        )
+    doubt = "neither volume nor width is told from the surface's own waviness: --before FILE takes that off"
     rows = [
         Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
         Row("summed over", "window_mm", high - low, note=f"with pile-up and margins ({edges})"),
@@ -198,7 +197,7 @@ def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
         Row("", "sections", int(track.net.size)),
         Row("", "length_mm", track.length),
         Row("volume", "volume_mm3", volume, digits=5, error=error, note=measured),
-        Row("warning", "warning", doubt),
+        Row("warning", "warning", doubt if error > DOUBTED * abs(volume) else None),
         needle_row(track),
     ]
     if length is None:
@@ -278,14 +277,9 @@ def _ra(axis: str, profiles: roughness.ProfileRoughness, lay: str) -> list[Row]:
     """Declare Ra of the profiles along an axis, and how they were filtered."""
     way = "" if lay == "none" else "along the lay" if lay == axis else "across the lay"
     mean, number, c, s = ("mean", "profiles", "λc", "λs") if profiles.ra is not None else [""] * 4
+    scatter = "scatter_um", times(1e3, profiles.scatter)
     rows = [
-        Row(
-            mean,
-            "ra_um",
-            times(1e3, profiles.ra),
-            error=("scatter_um", times(1e3, profiles.scatter)),
-            note=way,
-        ),
+        Row(mean, "ra_um", times(1e3, profiles.ra), error=scatter, note=way),
         Row(number, "profiles", profiles.profiles),
         Row(c, "lambda_c_mm", profiles.cut_off),
         Row(s, "lambda_s_um", times(1e3, profiles.short)),

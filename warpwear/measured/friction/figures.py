@@ -1,6 +1,7 @@
 """Draw a record of friction: its course with scatter, jump and steady value, and friction loops."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def course_figure(analysis: Analysis) -> Figure:
     for number, step in enumerate(steps):
         title = f"Step {step.name}" if several else "Coefficient of friction"
         note = f"step {step.name}" + (f", {step.load:.3g} N" if step.load else "")
-        x, lines = Axis("distance slid, m", low=1e-3 * step.before), _lines(step, first=number == 0)
+        x, lines = Axis("distance slid, m", low=1e-3 * step.before), _lines(step, named=number == 0)
         charts.append(Chart(title, x, y, lines, note=note * several))
     for name in dict.fromkeys(name for step in steps for name in step.others):
         title, up = name.partition(" [")[0].capitalize(), Axis(name.replace(" [", ", ").removesuffix("]"))
@@ -41,34 +42,25 @@ def course_figure(analysis: Analysis) -> Figure:
     return Figure(charts, columns, legend=5, width=describe.PAGE, height=3.0)
 
 
-def _lines(step: RecordStep, *, first: bool) -> list[Line | Level]:
-    laps, events = step.laps, step.events
+def _lines(step: RecordStep, *, named: bool) -> list[Line | Level]:
+    """Draw what a step came to. named: for the legend."""
+    laps, events, cof = step.laps, step.events, step.laps.cof
     x = 1e-3 * (step.before + laps.distance)
     spread = np.nan_to_num(laps.scatter)
     lines: list[Line | Level] = []
     if spread.any():
-        label = f"scatter in a {laps.unit}" if first else ""
-        lines.append(
-            Line(
-                x,
-                laps.cof,
-                label,
-                Look(describe.NEUTRAL, "", alpha=0.25),
-                laps.cof - spread,
-                laps.cof + spread,
-            )
-        )
+        pale = Look(describe.NEUTRAL, "", alpha=0.25)
+        lines.append(Line(x, cof, f"scatter in a {laps.unit}", pale, cof - spread, cof + spread))
     if events.steady is not None:
         ends = 1e-3 * (step.before + np.array([events.steady.start, events.steady.end]))
-        label = "steady value" if first else ""
         values = events.steady.value - np.array([events.steady.drift, 0.0])
-        lines.append(Line(ends, values, label, Look(describe.SUM, width=3.0)))
-    lines.append(Line(x, laps.cof, f"mean of a {laps.unit}" if first else "", Look(width=0.9)))
+        lines.append(Line(ends, values, "steady value", Look(describe.SUM, width=3.0)))
+    lines.append(Line(x, cof, f"mean of a {laps.unit}", Look(width=0.9)))
     if events.jump is not None:
         for at, label in ((events.jump.start, "10 and 90 % of the jump"), (events.jump.end, "")):
             place = 1e-3 * (step.before + at)
-            lines.append(Level(place, label if first else "", Look(describe.NEUTRAL, "dash", 0.8), "x"))
-    return lines
+            lines.append(Level(place, label, Look(describe.NEUTRAL, "dash", 0.8), "x"))
+    return lines if named else [replace(line, label="") for line in lines]
 
 
 def loops_figure(analysis: Analysis) -> Figure:

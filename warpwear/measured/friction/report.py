@@ -99,13 +99,12 @@ def step_rows(step: RecordStep) -> list[Row]:
     unit = f"{laps.unit}s"
     together = "" if laps.laps in (None, 1.0) else f", means of {laps.laps:g} {unit}"
     scatter = laps.scatter[np.isfinite(laps.scatter)]
+    within = float(np.median(scatter)) if scatter.size else None
     rows = [
         Row("", "step", step.name),
         *_length("distance", "distance", float(step.course.distance[-1]), step, f"{points} points{together}"),
         Row("load", "load_N", step.load),
-        Row(
-            f"within a {laps.unit}", "scatter", float(np.median(scatter)) if scatter.size else None, digits=2
-        ),
+        Row(f"within a {laps.unit}", "scatter", within, digits=2),
     ]
     seen = laps.cof.size >= FEWEST
     if events.jump is None:
@@ -118,9 +117,8 @@ def step_rows(step: RecordStep) -> list[Row]:
         rows += _length("jump", "jump", jump.end - jump.start, step, levels)
         rows += [Row("", "level_before", jump.low), Row("", "level_after", jump.high)]
     if step.states is not None:
-        rows.append(
-            Row("three states", "states", states_rows(step.states), sentence=states_text(step.states))
-        )
+        said = states_text(step.states)
+        rows.append(Row("three states", "states", states_rows(step.states), sentence=said))
     after = "above the level that follows"
     rows.append(Row("overshoot", "overshoot", events.overshoot, digits=2, note="above the steady value"))
     rows.append(Row("  at the jump", "overshoot_after_jump", events.overshoot_after, digits=2, note=after))
@@ -131,11 +129,7 @@ def step_rows(step: RecordStep) -> list[Row]:
     more = len(events.changes) - CHANGES
     return [
         *rows,
-        Row(
-            "level changes at",
-            "",
-            f"{changes} m" + (f" and {more} more" if more > 0 else "") if changes else None,
-        ),
+        Row("level changes at", "", f"{changes} m{f' and {more} more' * (more > 0)}" if changes else None),
         Row("", "level_changes_mm", list(events.changes) if seen else None),
         Row("energy", "energy_J", step.energy, digits=3, note="dissipated"),
     ]
@@ -161,18 +155,12 @@ def _other_rows(name: str, means: FloatArray, step: RecordStep) -> list[Row]:
 def _steady_rows(steady: Steady) -> list[Row]:
     error = f"{steady.error:.2g}"
     decimals = len(error.partition(".")[2]) if "e" not in error else 5
-    where = f"{1e-3 * steady.start:.4g} to {1e-3 * steady.end:.4g} m"
+    where = f"the end of a line over {1e-3 * steady.start:.4g} to {1e-3 * steady.end:.4g} m"
     value = f"{steady.value:.{decimals}f} ± {error} (95 %: ± {steady.error_95:.2g})"
     drift = f"{steady.drift:+.2g} ± {steady.drift_95:.2g} (95 %) over the length of that line"
     of_drift = ("steady_drift_error_95", steady.drift_95)
     return [
-        Row(
-            "steady value",
-            "steady_cof",
-            steady.value,
-            error=steady.error,
-            sentence=f"{value}, the end of a line over {where}",
-        ),
+        Row("steady value", "steady_cof", steady.value, error=steady.error, sentence=f"{value}, {where}"),
         Row("", "steady_cof_error_95", steady.error_95),
         Row("drift", "steady_drift", steady.drift, error=of_drift, sentence=drift),
         Row("", "steady_from_mm", steady.start),

@@ -248,6 +248,7 @@ def states_rows(fit: StatesFit) -> list[Row]:
             Row(WORDS.get(name, name), key, value, 4, note, error, "" if counts else None, name == "seed")
         )
     wide = [fit.millimetres * number for number in fit.numbers["width"]]
+    hardly = [f"the course hardly tells {name}: ± half of it or more" for name in untold(fit)]
     either = f"; {fit.rms_scattered:.2g} if films' lives scatter normally: this does not tell which"
     return [
         *rows,
@@ -255,11 +256,7 @@ def states_rows(fit: StatesFit) -> list[Row]:
         Row("rms", "rms", fit.rms, digits=2, note=either),
         Row("", "rms_scattered", fit.rms_scattered),
         Row("means", "means", fit.cof.size, note=f"up to {fit.millimetres * fit.count[-1]:.4g} mm"),
-        Row(
-            "warning",
-            "untold",
-            [f"the course hardly tells {name}: ± half of it or more" for name in untold(fit)],
-        ),
+        Row("warning", "untold", hardly),
         Row("", "covariance", fit.covariance.tolist()),
         Row("", "values", dict(zip(FITTED, fit.values.tolist(), strict=True))),
     ]
