@@ -16,16 +16,12 @@ from warpwear.measured.course import read_experiment
 from warpwear.measured.options import COF, PLOUGHING, Options, number, optional, quantity
 from warpwear.measured.report import Report
 from warpwear.result import Run, opened
+from warpwear.results.formats.forms import prose
 from warpwear.results.report import Row, lines, table
 from warpwear.study.study import Study
 
 #: Area of a run -> what it is called for people.
-WORDS = {
-    "contact": "in contact",
-    "touched": "ever touched",
-    "cumulative": "running sum",
-    "nominal": "nominal (the scar as an ellipse)",
-}
+WORDS = prose("reports")["friction"]["areas"]
 INDEPENDENT = "points would tell τ0 as well: the errors allow for scatter that goes together"
 #: Key of a test -> option.
 KEYS = {"friction": "cof", "record": "experiment", "load": "load", "area": "area"}

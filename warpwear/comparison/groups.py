@@ -60,12 +60,8 @@ class RunData(EnsembleRow):
 def read_run(folder: Path) -> RunData:
     """Read what is compared of a run. Raises InputError."""
     with Result.open(folder) as result:
-        study, summary, history, whole = (
-            result.study,
-            Summary.of(result.summary),
-            result.history,
-            whole_steps(result),
-        )
+        study, summary = result.study, Summary.of(result.summary)
+        history, whole = result.history, whole_steps(result)
         courses = {name: (history["distance"][whole], values[whole]) for name, values in history.items()}
         passes = course(result, "cof")
         if not np.isfinite(courses["cof"][1]).all():

@@ -14,6 +14,7 @@ from warpwear.calibration.scatter import PairTest
 from warpwear.calibration.worn import SOURCES
 from warpwear.errors import InputError, reworded
 from warpwear.measured.friction.states import StatesFit, fit_states, part_of, untold
+from warpwear.results.formats.forms import prose
 from warpwear.study.content import Content
 from warpwear.study.keys import alternatives_of, attribute_of, dotted
 from warpwear.study.study import Study
@@ -23,12 +24,7 @@ from warpwear.study.units import TINIEST
 CIRCLE = ("sliding.track_radius", 0.5 / math.pi, "a lap over 2π")
 WAYS = {"reciprocating": ("sliding.stroke", 1.0, "stroke"), "rotating": CIRCLE, "pin": CIRCLE}
 #: Keys of a study -> conditions of a test, their units, and where they are from.
-CONDITIONS = {
-    "contact.load": ("load", "N", "median normal force"),
-    "sliding.speed": ("speed", "mm/s", "median speed, or distance over time"),
-    "sliding.distance": ("distance", "mm", "the longest"),
-    "counter.radius": ("radius", "mm", "of the ball"),
-}
+CONDITIONS = prose("reports")["draft"]["conditions"]
 #: Keys of a draft that are choices and no facts of a test, and of facts what stands for them, too.
 CHOICES = {"study.name", "study.description", "counter.shape", "contact.law", "disc.synthetic.kind"}
 CHOICES |= {"disc.synthetic.cut_off", "grid.cell", "grid.extent", "sliding.track"}

@@ -153,13 +153,7 @@ def _known(record: Record, name: str) -> Sequence[str] | None:
 def split_unit(title: str) -> tuple[str, str]:
     """Split a title such as "Sliding distance, mm" into its name in small letters and its unit, or ""."""
     title = unicodedata.normalize("NFKC", title).strip().replace("_", " ")
-    for pattern in (
-        r"(.*?)\s*[\[(]([^\[\]()]*)[\])]$",
-        r"(.*?)\s*[,/]\s+(\S+)$",
-        r"(.*?)\s*[,/]\s*([^,/]+)$",
-        r"(.*?)\s+in\s+(\S+)$",
-        r"(.*?)\s+(\S+)$",
-    ):
+    for pattern in WORDS["titles"]:
         match = re.fullmatch(pattern, title)
         if match and match[1] and ("[(" in pattern or is_unit(match[2], rare="[,/]" in pattern)):
             return " ".join(match[1].lower().split()), match[2].strip()

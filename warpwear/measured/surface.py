@@ -39,12 +39,8 @@ LINE = ("pixel", "height_unit", "height_sign", "array", "level", "crop", "outlie
 #: Names of keys that sentences about [disc] name.
 KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 #: Option -> the one that it needs, and pairs that exclude each other.
-NEEDED = {
-    "--diagonals": "--ball",
-    "--radius": "--ball",
-    "--track-width": "--track",
-    "--track-length": "--track",
-}
+NEEDED = dict.fromkeys(("--diagonals", "--radius"), "--ball")
+NEEDED |= dict.fromkeys(("--track-width", "--track-length"), "--track")
 APART = {"--track": ("--ball",), "--line": ("--ball", "--scar", "--before"), "--before": ("--ball",)}
 OF_MAPS = "is for a map of heights, and this is a profile"
 

@@ -39,14 +39,8 @@ FLAT = "none: the surface is flat"
 #: Every sixth of them is shown to people.
 SHOWN_CUT_OFF = 6
 #: Key in a measured surface's own record -> name for people.
-ROUGHNESS = {
-    "sa_um": "Sa",
-    "sq_um": "Sq",
-    "sz_um": "Sz",
-    "ssk": "Ssk",
-    "sku": "Sku",
-    "rms_slope": "rms slope",
-}
+ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")}
+ROUGHNESS |= {"ssk": "Ssk", "sku": "Sku", "rms_slope": "rms slope"}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -142,17 +142,10 @@ class Inference:
         z_of = zip(self.posterior.unknowns, self.z.T, strict=True)
         pulled = [(u, abs(z.mean())) for u, z in z_of if not u.prior.kind.endswith("uniform")]
         spreads = {key: spread_of(self.values[key]) for key in self.more_tests}
-        text = filled(
-            "inference.txt",
-            escape=False,
-            inference=self,
-            pulled=[(unknown, off) for unknown, off in pulled if off > PULLED],
-            groups=self._in_two_groups,
-            known={key: 100.0 * half / middle for key, (middle, half, _) in spreads.items()},
-            reached=f"{100 * REACHED:.0f}",
-            most=MOST_REPEATS,
-            wider=_wider,
-        )
+        said: dict[str, Any] = {"pulled": [(unknown, off) for unknown, off in pulled if off > PULLED]}
+        said["known"] = {key: 100.0 * half / middle for key, (middle, half, _) in spreads.items()}
+        said |= {"groups": self._in_two_groups, "reached": f"{100 * REACHED:.0f}", "most": MOST_REPEATS}
+        text = filled("inference.txt", escape=False, inference=self, wider=_wider, **said)
         return [*self.conflicts, *apart, *filter(None, text.splitlines())]
 
     @property
