@@ -8,9 +8,9 @@ from scipy import stats
 
 from warpwear import InputError
 from warpwear.batches.design import Design, distribution, factors_of
-from warpwear.sweeps.command import values_of_text, varied
 from warpwear.sweeps.indices import sobol
 from warpwear.sweeps.report import _short
+from warpwear.sweeps.sweep import values_of_text, varied
 
 #: Samples by which a distribution is looked at.
 MANY = 4096

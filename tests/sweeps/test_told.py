@@ -87,7 +87,7 @@ def test_a_sweep_from_python_tells_the_log_how_far_it_is(caplog: pytest.LogCaptu
 def test_a_sweep_in_a_log_tells_how_far_it_is(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("warpwear.sweeps.command.EVERY_SECONDS", 0.0)
+    monkeypatch.setattr("warpwear.sweeps.sweep.EVERY_SECONDS", 0.0)
     study = tmp_path / "s.toml"
     study.write_text(small().to_toml(), encoding="utf-8")
     command = ["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1", "--vary"]

@@ -1,19 +1,17 @@
-"""A sweep: many runs of one study, in a folder with their tables and a page."""
+"""A sweep: many runs of one study, in a folder with their tables and a page; also from the command line."""
 
 import csv
+import signal
+import sys
+import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from warpwear.batches.batch import (
-    check_folder,
-    estimate,
-    executor_for,
-    logging_each,
-    make_runs,
-    opened_folder,
-    share_runs,
-)
+import click
+from tqdm import tqdm
+
+from warpwear.batches import batch
 from warpwear.batches.plan import Plan, read_plan
 from warpwear.batches.run_one import RunRow
 from warpwear.ensembles.table import read_csv
@@ -21,10 +19,11 @@ from warpwear.errors import InputError, named_in_python
 from warpwear.measured.course import experiment_of
 from warpwear.measured.motion import motion_of_runs
 from warpwear.measured.rows import Paths, read_rows
-from warpwear.runs.console import warn
+from warpwear.runs.console import EVERY_SECONDS, warn
+from warpwear.study.loading import value_of_text
 from warpwear.study.study import Study
 from warpwear.study.units import several
-from warpwear.sweeps.report import FILES, failed_sentence, write_report
+from warpwear.sweeps.report import FILES, failed_sentence, summary_text, write_report
 from warpwear.sweeps.table import TABLES, SweepResult
 
 
@@ -106,7 +105,7 @@ def sweep(
     if out is None and (runs is not None or experiments):
         raise InputError("--runs and --experiment, experiments=[…] need --out, the folder of the sweep")
     how: Any = {"runs": runs, "experiments": several(experiments), "dry_run": dry_run}
-    result = make_sweep(plan, None if out is None else Path(out), where, **how, **logging_each(plan))
+    result = make_sweep(plan, None if out is None else Path(out), where, **how, **batch.logging_each(plan))
     if not dry_run and (failed := failed_sentence(result)) is not None:
         warn(f"{failed}.")
     return result
@@ -132,19 +131,19 @@ def make_sweep(
     motion = motion_of_runs(plan.study)
     measured = tuple(experiment_of(read_rows(path), motion) for path in experiments)
     if out is not None:
-        check_folder(out, resume=resume, files=FILES)
+        batch.check_folder(out, resume=resume, files=FILES)
         check_runs(plan, out)
         if runs is not None and not dry_run:
-            share_runs(out, Path(runs))
-    place, pool = opened_folder(None if dry_run else out), executor_for(plan, **where)
+            batch.share_runs(out, Path(runs))
+    place, pool = batch.opened_folder(None if dry_run else out), batch.executor_for(plan, **where)
     with place as folder, pool as (executor, threads, workers):
         if dry_run or on_cost is not None:
-            cost = estimate(plan, folder, executor, threads=threads, workers=workers)
+            cost = batch.estimate(plan, folder, executor, threads=threads, workers=workers)
         if dry_run:
             return SweepResult(plan, [RunRow("not made")] * len(plan.points), cost=cost)
         if on_cost is not None:
             on_cost(cost)
-        rows = make_runs(plan, folder, executor, threads=threads, **calls)
+        rows = batch.make_runs(plan, folder, executor, threads=threads, **calls)
         result = SweepResult(plan, rows, out)
         if out is not None:
             result.written = write_report(result, folder, measured)
@@ -173,3 +172,84 @@ def check_runs(plan: Plan, folder: Path) -> None:
             f"out = {folder} holds a sweep with {len(stored)} runs, {len(others)} of which this one has not: "
             "its tables would be lost; give another folder, or the same study and device and its values, too."
         )
+
+
+def varied(texts: Sequence[str]) -> dict[str, Any]:
+    """Key -> what it is varied over, from texts KEY=VALUES. Raises InputError."""
+    vary: dict[str, Any] = {}
+    for text in texts:
+        key, equals, values = (part.strip() for part in text.partition("="))
+        if not equals or not values:
+            raise InputError(f"--vary {text!r}: KEY=VALUES is expected, such as 'contact.load=2 N,4 N,8 N'.")
+        vary[key] = values_of_text(values)
+    return vary
+
+
+def values_of_text(text: str) -> Any:
+    """Return a list of the values between commas; a range, a distribution or {positions = 12} as it is."""
+    value = value_of_text(text)
+    if not isinstance(value, str):
+        return value if isinstance(value, list | dict) else [value]
+    first = value.split(None, 1)[0] if value else ""
+    if ":" in value or first in ("normal", "log-normal", "uniform", "log-uniform", "truncated"):
+        return value
+    return [value_of_text(part.strip()) for part in value.split(",")]
+
+
+def command(
+    study: str,
+    changes: Mapping[str, Any],
+    options: Mapping[str, Any],
+    *,
+    out: Path | None,
+    experiments: Sequence[Path],
+    runs: Path | None,
+    resume: bool,
+    dry_run: bool,
+    device: str,
+    **where: Any,
+) -> int:
+    """Make a sweep from the command line; return its exit status, 1 where runs failed.
+
+    where: as of `executor_for`.
+    """
+    plan = read_plan(study, changes, options, device="cuda:0" if where["gpus"] else device)
+    folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
+        counted, said = batch.Count(len(plan.points)), time.monotonic()
+
+        def on_cost(cost: str) -> None:
+            nonlocal counted
+            counted = batch.Count(len(plan.points))
+            bar.write(cost, file=sys.stderr)
+
+        def on_row(number: int, row: RunRow) -> None:
+            nonlocal said
+            bar.update()
+            if row.status.startswith("failed"):
+                bar.write(f"run {number}: {row.status}", file=sys.stderr)
+            line = counted.one(row)
+            if bar.disable and time.monotonic() - said > EVERY_SECONDS:  # a log shows no bar
+                said = time.monotonic()
+                bar.write(line, file=sys.stderr)
+
+        def on_warning(sentence: str) -> None:
+            bar.write(f"warning: {sentence}", file=sys.stderr)
+
+        how: Any = {"runs": runs, "experiments": experiments, "dry_run": dry_run, "resume": resume}
+        how |= {"on_cost": on_cost, "on_row": on_row, "on_warning": on_warning}
+        try:
+            result = make_sweep(plan, folder, where, **how)
+        except KeyboardInterrupt:
+            click.echo("the same command with --resume goes on from here", err=True)
+            raise
+    if dry_run:
+        click.echo(result.cost)
+        return 0
+    click.echo(summary_text(result))
+    click.echo(f"written to {folder}/: {', '.join(path.name for path in result.written)}")
+    failed = failed_sentence(result)
+    if failed is not None:
+        click.echo(f"warpwear: {failed}. The same command with --resume tries them again.", err=True)
+    return int(failed is not None)

@@ -413,18 +413,12 @@ def calibrated(inference: Inference) -> str:
     if apart:
         vary: dict[str, Any] = {u.key: _distribution(u, inference) for u in unknowns}
         section: dict[str, Any] = {"design": "sobol", "samples": SAMPLES}
-        note = "# The unknowns hardly go together: each has a distribution of its own.\n"
     else:
         vary = {u.key: [u.text(float(v)) for v in inference.values[u.key][:SAMPLES]] for u in unknowns}
         section = {"design": "zip", "band_over": [*(u.key for u in unknowns), *surfaces]}
-        note = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
-    how = "by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep."
-    head = f"# Calibrated {how}\n"
-    if inference.misses:
-        why = "".join(f"# {line}\n" for line in inference.conflicts)
-        head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
-    tables = tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
-    return head + study.to_toml() + "\n" + note + tables
+    said = {"study": study.to_toml(), "tables": tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})}
+    how = {"apart": apart, "samples": SAMPLES, "inference": inference}
+    return filled("calibrated.txt", escape=False, **said, **how)
 
 
 def _distribution(unknown: Unknown, inference: Inference) -> str:
