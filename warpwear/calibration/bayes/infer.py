@@ -9,17 +9,11 @@ from typing import Any
 import numpy as np
 
 from warpwear.batches.batch import RUNS, check_folder
+from warpwear.calibration.bayes import next_test
 from warpwear.calibration.bayes.data import Data, data_of, unit_of
 from warpwear.calibration.bayes.identify import conflicts_of, identify
 from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.calibration.bayes.model import ForwardModel, columns_for
-from warpwear.calibration.bayes.next_test import (
-    Candidate,
-    best_tests,
-    candidates_of,
-    place_of,
-    repeats_needed,
-)
 from warpwear.calibration.bayes.result import SAMPLES_FILE, Inference, write_report, write_samples
 from warpwear.calibration.bayes.runs import make_runs, wide_enough
 from warpwear.calibration.bayes.sampler import sample
@@ -125,7 +119,7 @@ def infer(
             of_other = make_runs(other, unknowns, roughness=rough, **how)
             return ForwardModel(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
-        def with_model(candidate: Candidate) -> Candidate:
+        def with_model(candidate: next_test.Candidate) -> next_test.Candidate:
             part = base.runs.part if study.wear.law in ("archard", "energy") else 1.0
             other = wide_enough(study, candidate.changes, unknowns, part, folder, device)
             if other == study:
@@ -138,14 +132,14 @@ def infer(
         check_priors(posterior, seed=seed)
         trials = []
         if target is not None:  # before sampling, which takes long: here a test may be refused
-            place_of(posterior, target)
-            named = candidates_of(study, several(candidates), cheap=not base.runs.inputs)
+            next_test.place_of(posterior, target)
+            named = next_test.candidates_of(study, several(candidates), cheap=not base.runs.inputs)
             trials = [with_model(one) for one in named]
         samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
         values, z = posterior.complete(samples.z, np.random.default_rng(seed + 1))
         if out is not None:
             write_samples(posterior.unknowns, values, folder / SAMPLES_FILE)
-        ranked = [] if target is None else best_tests(posterior, values, target, trials)
+        ranked = [] if target is None else next_test.best_tests(posterior, values, target, trials)
         wear = [u.key for u in unknowns if u.key in ("wear.counter", "wear.disc")]
         inference = Inference(
             posterior=posterior,
@@ -156,7 +150,7 @@ def infer(
             conflicts=tuple(conflicts_of(posterior, values)),
             target=target,
             tests=tuple(ranked),
-            repeats={key: repeats_needed(posterior, values, key) for key in wear},
+            repeats={key: next_test.repeats_needed(posterior, values, key) for key in wear},
             seed=seed,
         )
         if out is not None:

@@ -77,7 +77,8 @@ class ForwardModel:
             patch = 0.5 * (along + runs.course("patch_across")[1])
             if runs.scaled:
                 lines = np.array([_without_stairs(line) for line in patch])
-                self._values["scar"] = self._places(distance), *self._emulators([lines], "scar")
+                (emulator,) = self._emulators([lines], "scar")
+                self._values["scar"] = self._places(distance), emulator
             else:
                 self._values["scar"] = self._end(patch[:, -1], "scar")
         for kind in self.kinds & {"sq_counter", "sq_disc"}:
