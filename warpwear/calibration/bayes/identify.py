@@ -263,8 +263,10 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
     bad = sorted((pair for pair in each if pair[0]["off"] > CONTRADICTION), key=lambda pair: -pair[0]["off"])
     longest = max((float(course.distance[-1]) for course in posterior.data.courses), default=0.0)
     length = float(np.median(some["noise.length"])) if longest else 0.0
-    said = {"scar": _scar_by_volume(posterior), "length": length, "longest": longest, "part": OTHER_SHAPE}
-    text = filled("conflicts.txt", escape=False, conflict=CONFLICT, rows=bad, **said)
+    said: dict[str, Any] = {"length": length, "longest": longest, "part": OTHER_SHAPE}
+    text = filled(
+        "conflicts.txt", escape=False, conflict=CONFLICT, rows=bad, scar=_scar_by_volume(posterior), **said
+    )
     return [*dict.fromkeys(text.splitlines())]
 
 

@@ -416,9 +416,9 @@ def calibrated(inference: Inference) -> str:
     else:
         vary = {u.key: [u.text(float(v)) for v in inference.values[u.key][:SAMPLES]] for u in unknowns}
         section = {"design": "zip", "band_over": [*(u.key for u in unknowns), *surfaces]}
-    said = {"study": study.to_toml(), "tables": tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})}
-    how = {"apart": apart, "samples": SAMPLES, "inference": inference}
-    return filled("calibrated.txt", escape=False, **said, **how)
+    tables = tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
+    said: dict[str, Any] = {"apart": apart, "samples": SAMPLES, "inference": inference, "tables": tables}
+    return filled("calibrated.txt", escape=False, study=study.to_toml(), **said)
 
 
 def _distribution(unknown: Unknown, inference: Inference) -> str:
