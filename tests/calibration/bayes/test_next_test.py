@@ -147,7 +147,7 @@ def test_tests_are_tried_before_anything_is_sampled(
     assert "3 tests" in str(inference)  # what the ranks do not say: what each costs
     assert len({*calls}) == 1  # no run but that of the study
     assert same.repeats == 3
-    failing("warpwear.calibration.bayes.infer.best_tests", ZeroDivisionError())
+    failing("warpwear.calibration.bayes.next_test.best_tests", ZeroDivisionError())
     with pytest.raises(ZeroDivisionError):
         infer("contact.load=4 N")
     assert (tmp_path / "contact.load=4 N" / "posterior.csv").is_file()
