@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,16 @@ def in_python(text: str) -> str:
 def prose(name: str) -> dict[str, Any]:
     """Read the sentences of a file of `templates/`."""
     return tomllib.loads((Path(__file__).parent / "templates" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def sentences(name: str) -> Callable[..., str]:
+    """Return what fills in a sentence of a file of `templates/`, by its name, with values by its fields."""
+    texts = prose(name)
+
+    def say(sentence: str, /, **values: Any) -> str:
+        return str(texts[sentence].format(**values))
+
+    return say
 
 
 def printable(text: str) -> str:
