@@ -162,10 +162,7 @@ class Measured:
         seam = _rms(first[0] - last[-1])
         if seam <= SEAM * _rms(np.diff([first, last], axis=1)):
             return []
-        return [
-            f"The disc's surface does not repeat after sliding.track = {x.size * spacing(x):g} mm: it has a "
-            f"seam of {_um(seam)} rms where the lap closes."
-        ]
+        return [say("lap_seam", length=x.size * spacing(x), seam=_um(seam))]
 
     def record(self) -> dict[str, Any]:
         """Return file, format, grid, pixel, what was done, and the roughness of the measured points."""

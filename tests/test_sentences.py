@@ -11,7 +11,7 @@ from warpwear.errors import prose
 ROOT = Path(__file__).parent.parent
 #: File of templates -> what says its sentences, and where.
 SAID = {
-    "refusals": ("refused", ["warpwear/study/*.py"]),
+    "refusals": ("refused", ["warpwear/study/**/*.py"]),
     "doubts": ("say", ["warpwear/study/doubts.py", "warpwear/runs/doubts.py"]),
     "measurements": ("(?:say|refused)", ["surfaces/**/*.py"]),
 }
