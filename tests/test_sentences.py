@@ -13,15 +13,18 @@ ROOT = Path(__file__).parent.parent
 SAID = {
     "refusals": ("refused", ["warpwear/study/**/*.py"]),
     "doubts": ("say", ["warpwear/study/doubts.py", "warpwear/runs/doubts.py"]),
-    "measurements": ("(?:say|refused)", ["surfaces/**/*.py"]),
+    "measurements": ("(say|refused)", ["surfaces/**/*.py"]),
+    "violations": ("Violation.of", ["warpwear/runs/invariants.py"]),
 }
+#: Fields that every violation has.
+OF_ALL = {"what", "where"}
 
 
 def calls(what: str, globs: list[str]) -> list[ast.Call]:
     """Find the calls of these names with a name of a sentence."""
     trees = [ast.parse(path.read_text(encoding="utf-8")) for glob in globs for path in ROOT.glob(glob)]
     every = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call)]
-    named = [call for call in every if isinstance(call.func, ast.Name) and re.fullmatch(what, call.func.id)]
+    named = [call for call in every if re.fullmatch(what, ast.unparse(call.func))]
     return [call for call in named if call.args and isinstance(call.args[0], ast.Constant)]
 
 
@@ -31,5 +34,5 @@ def test_every_sentence_is_said_and_gets_its_fields(name: str) -> None:
     said = {ast.literal_eval(call.args[0]): call for call in calls(*SAID[name])}
     assert said.keys() == texts.keys()
     for sentence, call in said.items():
-        fields = set(re.findall(r"{(\w+)", texts[sentence].replace("{{", "")))
-        assert fields == {str(value.arg) for value in call.keywords}, sentence
+        fields = set(re.findall(r"{(\w+)", str(texts[sentence]).replace("{'", ""))) - OF_ALL
+        assert fields == {str(value.arg) for value in call.keywords} - OF_ALL, sentence
