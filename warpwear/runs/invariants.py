@@ -63,7 +63,7 @@ class Violation:
         where = f"after {row.get('distance', math.nan):g} mm of sliding"
         values |= {"what": quantity or kind, "where": where}
         about = VIOLATIONS[kind].items()
-        told = {name: said.format(**values) if isinstance(said, str) else said for name, said in about}
+        told: Any = {name: said.format(**values) if isinstance(said, str) else said for name, said in about}
         return cls(values["what"], **told)
 
 
