@@ -14,10 +14,14 @@ SAID = {
     "refusals": ("refused", ["warpwear/study/**/*.py"]),
     "doubts": ("say", ["warpwear/study/doubts.py", "warpwear/runs/doubts.py"]),
     "measurements": ("(say|refused)", ["surfaces/**/*.py"]),
+    "runs": (
+        r"(say|self\._refused)",
+        [f"warpwear/runs/{n}.py" for n in ("array_surface", "checkpoint", "order")],
+    ),
     "violations": ("Violation.of", ["warpwear/runs/invariants.py"]),
 }
-#: Fields that every violation has.
-OF_ALL = {"what", "where"}
+#: Fields that are given to every violation, and to what is said of checkpoints.
+OF_ALL = {"what", "where", "path", "overwrite_it", "resume_it"}
 
 
 def calls(what: str, globs: list[str]) -> list[ast.Call]:
@@ -35,4 +39,4 @@ def test_every_sentence_is_said_and_gets_its_fields(name: str) -> None:
     assert said.keys() == texts.keys()
     for sentence, call in said.items():
         fields = set(re.findall(r"{(\w+)", str(texts[sentence]).replace("{'", ""))) - OF_ALL
-        assert fields == {str(value.arg) for value in call.keywords} - OF_ALL, sentence
+        assert fields == {value.arg for value in call.keywords if value.arg} - OF_ALL, sentence
