@@ -38,16 +38,32 @@ Radius = Annotated[float, InUnit("mm", Range(infinite=True))]
 class Body(Section):
     """A body has constants of its material, each given or that of a known material."""
 
-    material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(None)
-    young: Pressure | None = key(None)
-    poisson: Annotated[float, Number(Range(or_equal=True, most=0.5))] | None = key(None)
-    hardness: Hardness | None = key(None)
-    conductivity: Annotated[float, InUnit("W/m/K")] | None = key(None)
-    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = key(None)
-    density: Annotated[float, InUnit("kg/m^3")] | None = key(None)
-    resistivity: Annotated[float, InUnit("ohm*m")] | None = joint_key()
-    layers: tuple[LayerSection, ...] | None = key(None, one_of="depth", demands=LAYERED)
-    gradient: Gradient | None = key(None, one_of="depth", demands=LAYERED)
+    material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(
+        None, "name of a known material (see 'warpwear materials'), for constants that are not given"
+    )
+    young: Pressure | None = key(None, "Young's modulus")
+    poisson: Annotated[float, Number(Range(or_equal=True, most=0.5))] | None = key(None, "Poisson's ratio")
+    hardness: Hardness | None = key(
+        None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
+    )
+    conductivity: Annotated[float, InUnit("W/m/K")] | None = key(None, "thermal conductivity")
+    heat_capacity: Annotated[float, InUnit("J/kg/K")] | None = key(None, "heat capacity of a mass")
+    density: Annotated[float, InUnit("kg/m^3")] | None = key(None, "density")
+    resistivity: Annotated[float, InUnit("ohm*m")] | None = joint_key("electrical resistivity")
+    layers: tuple[LayerSection, ...] | None = key(
+        None,
+        "layers over the body, from the surface down; its own keys are those of the substrate below them",
+        one_of="depth",
+        demands=LAYERED,
+    )
+    gradient: Gradient | None = key(
+        None,
+        "numbers by worn depth: a file of comma-separated columns, or its rows: depth in µm, K in mm^3/N/m "
+        "(wear.law = 'energy': mm^3/J) and hardness in MPa, or none; linear between rows, constant below the "
+        "last, which is the body itself",
+        one_of="depth",
+        demands=LAYERED,
+    )
 
     def _check(self) -> None:
         """Refuse layers of one name, and too many."""
@@ -94,20 +110,36 @@ class MeasuredBody(Section):
 
     FROM_A_FILE: ClassVar[tuple[Rule, ...]] = ()
 
-    surface: str | None = file_key(None, is_file=True)
-    extend: Literal["refuse", "mirror", "periodic"] = file_key("refuse")
-    height_sign: Literal["up", "down"] = file_key("up")
-    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = file_key(None)
-    sliding_axis: Literal["x", "y"] = file_key("x")
-    outliers: Annotated[float, Number(Range(least=3.0, or_equal=True))] | None = file_key(None)
-    level: Literal["none", "plane", "sphere", "cylinder"] | Annotated[int, Field(ge=0, le=12)] = file_key(
-        "plane"
+    surface: str | None = file_key(None, "file of a measured surface, relative to the study", is_file=True)
+    extend: Literal["refuse", "mirror", "periodic"] = file_key(
+        "refuse", "when the file is smaller than the domain"
     )
-    s_filter: Length | None = file_key(None)
-    l_filter: Length | None = file_key(None)
-    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = file_key(None)
-    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(None)
-    array: str | None = file_key(None)
+    height_sign: Literal["up", "down"] = file_key("up", "down turns the file's heights over: it gives depths")
+    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = file_key(
+        None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
+    )
+    sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file that lies along sliding")
+    outliers: Annotated[float, Number(Range(least=3.0, or_equal=True))] | None = file_key(
+        None, "points farther than so many robust standard deviations from the local median are removed"
+    )
+    level: Literal["none", "plane", "sphere", "cylinder"] | Annotated[int, Field(ge=0, le=12)] = file_key(
+        "plane", "form removed from the measurement: none, plane, sphere, cylinder or degree of a polynomial"
+    )
+    s_filter: Length | None = file_key(
+        None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)"
+    )
+    l_filter: Length | None = file_key(
+        None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)"
+    )
+    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = file_key(
+        None, "distance of the file's points, needed by .npy; overrides what a file says"
+    )
+    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(
+        None, "unit of the file's heights, needed by .npy; overrides what a file says"
+    )
+    array: str | None = file_key(
+        None, "which array, channel, column or measurement of a file with several, by name or number"
+    )
 
 
 class Shape(Section):
@@ -115,15 +147,31 @@ class Shape(Section):
 
     shape: Literal["ball", "crowned", "cylinder", "pin", "measured"] = key(
         "ball",
+        "ball; crowned: a paraboloid of two radii; cylinder: a parabola of counter.radius along sliding, its "
+        "axis across it, as long as the domain; pin: a flat round face with an edge; measured: a file, seen "
+        "as by an instrument from outside and turned over about the direction of sliding",
         demands=needs("counter.surface", of="measured")
         + needs("counter.radius_along", of="crowned")
         + needs("counter.radius_across", of="crowned"),
     )
-    radius: Radius | None = key(None, applies=NOMINAL, one_of="size", must_be_said=True)
-    diameter: Length | None = key(None, applies=NOMINAL, one_of="size")
-    radius_along: Radius | None = key(None, applies=CROWNED)
-    radius_across: Radius | None = key(None, applies=CROWNED)
-    edge_radius: LengthOrZero = key("0 mm", applies=when("counter.shape", "pin"))
+    radius: Radius | None = key(
+        None,
+        "radius of the ball ('inf mm' is a rigid flat), of the cylinder, of the pin's flat face, or of the "
+        "nominal form that a measured body's level puts back",
+        applies=NOMINAL,
+        one_of="size",
+        must_be_said=True,
+    )
+    diameter: Length | None = key(None, "diameter, instead of the radius", applies=NOMINAL, one_of="size")
+    radius_along: Radius | None = key(
+        None, "radius of the section along sliding; inf: a cylinder that lies along it", applies=CROWNED
+    )
+    radius_across: Radius | None = key(
+        None, "radius of the section across sliding; inf: a cylinder that lies across it", applies=CROWNED
+    )
+    edge_radius: LengthOrZero = key(
+        "0 mm", "radius of the edge around the pin's face; 0 is sharp", applies=when("counter.shape", "pin")
+    )
 
 
 class CounterBody(MeasuredBody, Shape, Body):
@@ -132,9 +180,16 @@ class CounterBody(MeasuredBody, Shape, Body):
     FROM_A_FILE: ClassVar = when("counter.shape", "measured")
 
     level: Literal["none", "plane", "sphere", "cylinder"] | Annotated[int, Field(ge=0, le=12)] = file_key(
-        "plane"
+        "plane",
+        "what is not the body's own in the measurement: none; plane, a tilt; sphere, cylinder (axis across "
+        "sliding): the fitted form, so that roughness is left, and the form of counter.radius is put back; a "
+        "degree: a polynomial, so that a rough flat is left",
     )
-    extend: Literal["refuse", "mirror", "periodic"] = file_key("refuse")
+    extend: Literal["refuse", "mirror", "periodic"] = file_key(
+        "refuse",
+        "beyond the file; other than refuse: the body goes on beyond the domain too, whose edge the contact "
+        "may then reach, as under a flat",
+    )
 
     @property
     def has_radius(self) -> bool:
@@ -194,20 +249,42 @@ class CounterBody(MeasuredBody, Shape, Body):
 class Synthetic(Section):
     """The section [disc.synthetic] says how the disc's surface is made."""
 
-    kind: Literal["self-affine", "milled", "flat", "profile"] = key(...)
-    like: str | None = like_key(None, is_file=True, one_of="profile", must_be_said=True)
-    lay_length: Length | None = like_key(None)
-    ra: Length | None = random_key(None, one_of="height", must_be_said=True)
-    sq: Length | None = random_key(None, one_of="height")
-    hurst: Annotated[float, Number(Range(most=1.0))] = random_key(0.8)
-    roll_off: Length = random_key("100 um")
-    cut_off: Length = periodic_key("8 um")
-    seed: Annotated[int, Field(ge=0)] = periodic_key(0)
-    period: Length = periodic_key("2 mm")
-    feed: Length = milled_key("0.65 mm")
-    fine_ra: LengthOrZero = milled_key("0.3 um")
+    kind: Literal["self-affine", "milled", "flat", "profile"] = key(
+        ..., "which surface; with like, 'profile' may be left out"
+    )
+    like: str | None = like_key(
+        None,
+        "file of a profile, relative to the study: the surface gets its spectrum and heights",
+        is_file=True,
+        one_of="profile",
+        must_be_said=True,
+    )
+    lay_length: Length | None = like_key(
+        None, "like a profile: length over which heights stay alike along the lay; without, there is none"
+    )
+    ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height", must_be_said=True)
+    sq: Length | None = random_key(None, "root mean square height Sq, instead of Ra", one_of="height")
+    hurst: Annotated[float, Number(Range(most=1.0))] = random_key(
+        0.8, "Hurst exponent", assumed="typical of machined steel"
+    )
+    roll_off: Length = random_key(
+        "100 um", "wavelength above which the spectrum is flat", assumed="not measured"
+    )
+    cut_off: Length = periodic_key(
+        "8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274"
+    )
+    seed: Annotated[int, Field(ge=0)] = periodic_key(
+        0, "seed of the random numbers", assumed="one surface of many"
+    )
+    period: Length = periodic_key(
+        "2 mm", "length after which the surface repeats", assumed="wider than the contact"
+    )
+    feed: Length = milled_key("0.65 mm", "milled: distance of the feed marks")
+    fine_ra: LengthOrZero = milled_key(
+        "0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra"
+    )
     lay: Annotated[float, InUnit("deg", Range(least=-180.0, or_equal=True, most=180.0))] = key(
-        "90 deg", applies=LAY
+        "90 deg", "angle between feed marks and sliding", applies=LAY, assumed="sliding across the marks"
     )
 
     @model_validator(mode="before")
@@ -225,7 +302,17 @@ class Disc(MeasuredBody, Body):
     )
 
     yield_strength: Pressure | None = key(
-        None, applies=when("has_stresses", otherwise="does not apply without output.stress_depths")
+        None,
+        "stress at which the disc yields in tension, for the stresses below its surface; by default a third "
+        "of its hardness",
+        applies=when("has_stresses", otherwise="does not apply without output.stress_depths"),
     )
-    surface: str | None = key(None, is_file=True, applies=ROUGH, one_of="surface", must_be_said=True)
-    synthetic: Synthetic | None = key(None, applies=ROUGH, one_of="surface")
+    surface: str | None = key(
+        None,
+        "file of a measured surface, relative to the study",
+        is_file=True,
+        applies=ROUGH,
+        one_of="surface",
+        must_be_said=True,
+    )
+    synthetic: Synthetic | None = key(None, "a synthetic surface instead", applies=ROUGH, one_of="surface")

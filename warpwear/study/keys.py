@@ -1,9 +1,9 @@
 """Sections of a study are made of keys, each declared once with all that is known of it.
 
-A key has a unit, a default, allowed values and a meaning, which stands in `templates/keys.toml`. Numbers are
-kept in mm, N, MPa and s. A key whose default is a choice of ours and not the user's carries `assumed`, from
-there too, which `warpwear show` and the results repeat. Keys that are not used under the choices made are
-ignored with a notice (see `Rule`), so that changing one key can change a kind.
+A key has a unit, a default, allowed values and a meaning. Numbers are kept in mm, N, MPa and s. A key whose
+default is a choice of ours and not the user's carries `assumed`, which `warpwear show` and the results
+repeat. Keys that are not used under the choices made are ignored with a notice (see `Rule`), so that changing
+one key can change a kind.
 """
 
 import re
@@ -18,7 +18,7 @@ from typing import Annotated, Any, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-from warpwear.errors import prose, sentences
+from warpwear.errors import sentences
 from warpwear.study.units import EXAMPLES, NOT_NEGATIVE, InUnit
 
 Length = Annotated[float, InUnit("mm")]
@@ -183,8 +183,6 @@ def refused(why: str, /, **values: Any) -> ValueError:
 
 
 NO_FIELD = FieldInfo()
-#: Section -> its keys -> what they mean, or that and why their defaults are assumed.
-TEXTS = prose("keys")
 
 
 @dataclass(frozen=True)
@@ -213,10 +211,7 @@ class Declared:
 
 
 def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
-    """Declare a key of a section, with all that is known of it. declared: see the fields of `Declared`.
-
-    meaning: where it does not stand in `templates/keys.toml`.
-    """
+    """Declare a key of a section, with all that is known of it. declared: see the fields of `Declared`."""
     extra: Any = Declared(**declared)
     return Field(default, description=meaning, json_schema_extra=extra)
 
@@ -229,15 +224,6 @@ class Section(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
-
-    @classmethod
-    def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Take from `TEXTS` what is said there of the keys."""
-        for name, said in TEXTS.get(cls.__name__, {}).items():
-            field, texts = cls.model_fields[name], {"meaning": said} if isinstance(said, str) else said
-            field.description = texts.get("meaning", field.description)
-            declared: Any = field.json_schema_extra
-            field.json_schema_extra = replace(declared, assumed=texts.get("assumed"))
 
     @model_validator(mode="after")
     def _checked(self) -> Self:

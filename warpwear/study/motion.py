@@ -101,8 +101,10 @@ class Sides(InUnit):
 class GridSection(Section):
     """The section [grid] says how large the cells and the domain are."""
 
-    cell: Length = key(...)
-    extent: Annotated[float | tuple[float, float], Sides("mm")] = key(...)
+    cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
+    extent: Annotated[float | tuple[float, float], Sides("mm")] = key(
+        ..., 'side of the square domain, or two, ["3 mm", "0.2 mm"]: along sliding and across it'
+    )
 
     @property
     def sides(self) -> tuple[float, float]:
@@ -145,21 +147,43 @@ def refuse_parts(name: str, length: float, part: float, *, of: str = "", least: 
 class Sliding(Section):
     """The section [sliding] says how far the counter-body slides, and which way it takes."""
 
-    distance: LengthOrZero | None = total_key(None, must_be_said=True)
-    passes: Strokes | None = total_key(None, demands=STROKE)
-    cycles: Strokes | None = total_key(None, demands=STROKE)
+    distance: LengthOrZero | None = total_key(
+        None, "total sliding distance; 0 is a static contact", must_be_said=True
+    )
+    passes: Strokes | None = total_key(None, "instead of distance: number of strokes", demands=STROKE)
+    cycles: Strokes | None = total_key(
+        None, "instead of distance: number of pairs of strokes", demands=STROKE
+    )
     duration: Annotated[float, InUnit("s")] | None = total_key(
-        None, demands=needs("sliding.frequency", why=" or '60 rpm'")
+        None,
+        "instead of distance, with frequency: time of the test",
+        demands=needs("sliding.frequency", why=" or '60 rpm'"),
     )
     frequency: Annotated[float, InUnit("Hz")] | None = key(
-        None, demands=needs("sliding.lap", what="sliding.stroke or, of a rotation, sliding.track_radius")
+        None,
+        "cycles (pairs of strokes), or with a track_radius revolutions, in a second: '60 rpm' is 1 Hz",
+        demands=needs("sliding.lap", what="sliding.stroke or, of a rotation, sliding.track_radius"),
     )
-    revolutions: Annotated[float, Number()] | None = total_key(None, demands=needs("sliding.track_radius"))
-    stroke: Length | None = key(None, one_of="lap")
-    track_radius: Length | None = key(None, applies=ON_A_CIRCLE, one_of="lap")
-    speed: Annotated[float, InUnit("mm/s")] | None = key(None)
+    revolutions: Annotated[float, Number()] | None = total_key(
+        None,
+        "instead of distance: revolutions of a rotating disc",
+        demands=needs("sliding.track_radius"),
+    )
+    stroke: Length | None = key(None, "length of one pass", one_of="lap")
+    track_radius: Length | None = key(
+        None,
+        "instead of stroke: radius of the track on a rotating disc, which slides one way only",
+        applies=ON_A_CIRCLE,
+        one_of="lap",
+    )
+    speed: Annotated[float, InUnit("mm/s")] | None = key(
+        None, "sliding speed, for the time axis and heat alone; by default the mean of the frequency"
+    )
     kinematics: Literal["stationary", "swept", "fretting"] | None = key(
         None,
+        "swept: the counter-body slides along a track on the disc, as it does by itself with a stroke or "
+        "track_radius; stationary: the same disc cells stay under it; fretting: it moves to and fro by less "
+        "than its contact is long, as it does by itself with a force or stroke_of = 'body'",
         demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
         + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc")
         + tuple(replace(demand, of=("fretting",)) for demand in FRETS)
@@ -175,6 +199,9 @@ class Sliding(Section):
     )
     stroke_of: Literal["slip", "body"] = key(
         "slip",
+        "fretting: whether the stroke is slipped, or what the drive moves the bodies by: what they and the "
+        "rig yield is taken off, so that they may slip in part, or not",
+        assumed="gross slip, as read off the width of a friction loop",
         applies=MEANS,
         demands=tuple(replace(demand, of=("body",)) for demand in DRIVES)
         + needs("sliding.stroke", of="body")
@@ -184,24 +211,38 @@ class Sliding(Section):
     )
     force: Annotated[float, InUnit("N")] | None = key(
         None,
+        "instead of stroke: amplitude of a tangential force that turns, below the coefficient times the load",
         one_of="lap",
         demands=DRIVES
         + excludes("sliding.positions", "cells")
         + needs("pair.effective_modulus", what="the elastic constants of both bodies")
         + needs("counter.has_hertz", what="a ball, a crowned body or a cylinder"),
     )
-    rig_compliance: Annotated[float, InUnit("mm/N", NOT_NEGATIVE)] = key("0 mm/N", applies=MEANS)
+    rig_compliance: Annotated[float, InUnit("mm/N", NOT_NEGATIVE)] = key(
+        "0 mm/N",
+        "fretting: what the rig yields beside the bodies; of a stroke_of = 'body' it is taken off",
+        applies=MEANS,
+    )
     #: Stroke that a force gives unworn bodies [mm].
     _travel: float | None = PrivateAttr(None)
-    track: Annotated[float | Literal["full"], InUnit("mm", words=("full",))] = key("full", applies=SWEPT)
+    track: Annotated[float | Literal["full"], InUnit("mm", words=("full",))] = key(
+        "full",
+        "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
+        applies=SWEPT,
+    )
     shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] | None = key(
         None,
         "swept: cells that the counter-body moves on in a step, which the half-space divides where it must; "
         f"{MOST_SHIFT}, or less for a stroke of fewer than {STEPS_OF_STROKE} such steps",
+        assumed="well within the contact's length",
         applies=SWEPT,
     )
     plastic: Literal["forget", "keep"] = key(
-        "forget", demands=needs_compliance("keep", "a contact with compliance"), applies=SWEPT + CAPPED
+        "forget",
+        "swept: a disc cell at the hardness springs back, or keeps the depth it was pressed to",
+        assumed="Archard's wear alone; 'keep' is the other end",
+        demands=needs_compliance("keep", "a contact with compliance"),
+        applies=SWEPT + CAPPED,
     )
 
     @property
@@ -258,16 +299,22 @@ class Sliding(Section):
 class BlockSection(Section):
     """A table [[block]] says what differs in it from [contact] and [sliding], and how far it slides."""
 
-    load: Annotated[float, Load("N")] | None = key(None)
-    stroke: Length | None = key(None)
-    track_radius: Length | None = key(None)
-    speed: Annotated[float, InUnit("mm/s")] | None = key(None)
-    frequency: Annotated[float, InUnit("Hz")] | None = key(None)
-    distance: Length | None = key(None)
-    passes: Count | None = key(None)
-    cycles: Count | None = key(None)
-    revolutions: Annotated[float, Number()] | None = key(None)
-    duration: Annotated[float, InUnit("s")] | None = key(None)
+    load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
+    stroke: Length | None = key(None, "length of one pass; over a track in the middle of the longest")
+    track_radius: Length | None = key(
+        None, "instead of stroke: radius of the track on a rotating disc; another one is unworn at first"
+    )
+    speed: Annotated[float, InUnit("mm/s")] | None = key(
+        None, "sliding speed, for the time axis and heat alone"
+    )
+    frequency: Annotated[float, InUnit("Hz")] | None = key(
+        None, "cycles, or with a track_radius revolutions, in a second"
+    )
+    distance: Length | None = key(None, "sliding distance of the block; or one of the next four")
+    passes: Count | None = key(None, "number of strokes")
+    cycles: Count | None = key(None, "number of pairs of strokes")
+    revolutions: Annotated[float, Number()] | None = key(None, "revolutions of a rotating disc")
+    duration: Annotated[float, InUnit("s")] | None = key(None, "with a frequency: time of the block")
 
     def over(self, sliding: Sliding) -> Sliding:
         """Return [sliding] as it is in the block: what this says replaces all that said the same."""
@@ -279,21 +326,27 @@ class BlockSection(Section):
 class Stepping(Section):
     """The section [stepping] says which steps the way is cut into."""
 
-    scheme: Literal["explicit", "implicit"] = key("implicit")
-    increment: Length | None = key(None, applies=STEPS, one_of="plan")
-    first: Length | None = growing_key(None)
+    scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
+    increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
+    first: Length | None = growing_key(
+        None,
+        "growing increments: the first; if not given 3 µm, and of fretting a cycle",
+        assumed="nanometres of wear",
+    )
     growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] | None = growing_key(
         None,
         f"ratio of an increment to the last; if not given {GROWTH:g}, of fretting {GROWTH_OF_JUMPS:g}, and "
         f"where a part may stick {GROWTH_OF_STICKING:g}",
+        assumed="grow with the distance slid",
     )
     largest: Length | None = growing_key(
         None,
         f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part; "
         "fretting has none",
+        assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], InUnit("N", words=("one cell",))] = key(
-        "one cell", applies=NO_COMPLIANCE
+        "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
     )
     jump: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] | Literal["auto"] = key(
         "auto",
@@ -301,11 +354,18 @@ class Stepping(Section):
         f"jump_error allows, from {FEWEST_CYCLES} cycles on and without wear.particle",
         applies=SWEPT,
     )
-    jump_error: Annotated[float, Number(Range(most=0.5))] = key(0.005, applies=SWEPT)
-    area_error: Annotated[float, Number(Range(most=0.5))] = key(
-        0.025, applies=SWEPT + when("contact.law", "half-space")
+    jump_error: Annotated[float, Number(Range(most=0.5))] = key(
+        0.005,
+        "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
+        applies=SWEPT,
     )
-    force: bool = key(False)
+    area_error: Annotated[float, Number(Range(most=0.5))] = key(
+        0.025,
+        "swept, half-space: change of the area in contact that parts of a step of several cells may make, "
+        "which are as long as it allows",
+        applies=SWEPT + when("contact.law", "half-space"),
+    )
+    force: bool = key(False, "go on beyond the explicit stability limit")
 
     def _check(self) -> None:
         first = self.first or FIRST

@@ -48,17 +48,21 @@ class Movement(Section):
     wear: Wear
     grid: motion.GridSection
     sliding: motion.Sliding
-    block: tuple[motion.BlockSection, ...] | None = key(None)
+    block: tuple[motion.BlockSection, ...] | None = key(
+        None, "programme: blocks of other loads, speeds and lengths, one after another"
+    )
     stepping: motion.Stepping = motion.Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
     fatigue: Fatigue | None = key(
         None,
+        "fatigue limits of the disc, for the stress of a cycle",
         demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths")
         + needs("is_swept", False, what=STAYS, why=": on a track it leaves before its friction turns round"),
     )
     patches: PatchesSection = key(
         PatchesSection(),
+        "patches of the two-scale model",
         applies=when(
             "study.model", "two-scale", otherwise="does not apply to the {} model: it has no patches"
         ),

@@ -56,10 +56,20 @@ NOT_CONTACT = ("touched", "cumulative", "nominal")
 class FilmSection(Section):
     """The section [friction.film] says what covers the bodies until it is worn off."""
 
-    thickness: Length = key(...)
-    shear_strength: Pressure = key(...)
-    bodies: Literal["both", "counter", "disc"] = key("both")
-    regrowth: Annotated[float | Literal["never"], InUnit("mm", words=("never",))] = key("never")
+    thickness: Length = key(..., "wear depth beyond which a body's cell has lost its film, such as '10 nm'")
+    shear_strength: Pressure = key(
+        ..., "interfacial shear strength of a cell with a film; friction.shear_strength is that of a bare one"
+    )
+    bodies: Literal["both", "counter", "disc"] = key(
+        "both",
+        "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
+        assumed="oxide on both metals",
+    )
+    regrowth: Annotated[float | Literal["never"], InUnit("mm", words=("never",))] = key(
+        "never",
+        "sliding distance without wear of a body's cell after which its film is whole again",
+        assumed="the film does not form anew during the test",
+    )
 
     def with_caps(self, caps: tuple[float, float], bare: float | None) -> Film:
         """Return the film on cells. caps: with it and without it; bare: the strength of these [MPa]."""
@@ -72,14 +82,22 @@ class FilmSection(Section):
 class StatesSection(Section):
     """The section [friction.states] says what film, bare metal and cover have, and how they take turns."""
 
-    film: Coefficient = key(...)
-    slope: Annotated[float, Number(Range(least=-1.0, most=1.0))] = key(0.0)
-    metal: Coefficient = key(...)
-    cover: Coefficient = key(...)
-    spread: Rate = key(...)
-    seed: Rate = key(...)
-    cover_rate: Rate = key(...)
-    per: Literal["lap", "mm"] = key("lap", demands=needs("cycle", of="lap", what=ONE_LAP))
+    film: Coefficient = key(..., "coefficient of friction of what has its film, at the start")
+    slope: Annotated[float, Number(Range(least=-1.0, most=1.0))] = key(
+        0.0, "by how much that grows per lap or mm", assumed="a film that wears does not change its friction"
+    )
+    metal: Coefficient = key(..., "coefficient of friction of bare metal on metal")
+    cover: Coefficient = key(
+        ..., "coefficient of friction of metal under debris or oxide, which is the level"
+    )
+    spread: Rate = key(..., "rate r per lap or mm at which bare metal makes more, db/dN = (1 − b)(e + r b)")
+    seed: Rate = key(..., "rate e per lap or mm at which the film is lost by itself: ln(r/e)/r is the wait")
+    cover_rate: Rate = key(..., "rate k per lap or mm at which bare metal is covered, dc/dN = k (b − c)")
+    per: Literal["lap", "mm"] = key(
+        "lap",
+        "what rates and slope are of: a lap, or two strokes; or a mm slid",
+        demands=needs("cycle", of="lap", what=ONE_LAP),
+    )
 
 
 class Friction(Section):
@@ -87,30 +105,54 @@ class Friction(Section):
 
     law: Literal["shear-strength", "coulomb", "states"] = key(
         "shear-strength",
+        "the coefficient is τ0 × area / load, and ploughing; coulomb: it is friction.coefficient at every "
+        "distance, ploughing included; states: it goes from film over bare metal to cover, whatever the area",
         demands=needs("friction.states", of="states", what="a section [friction.states]")
         + needs("pair.shears_by_layer", False, of="states", what=UNLAYERED),
     )
-    states: StatesSection | None = key(None, one_of="strength", applies=BY_STATES)
-    shear_strength: Pressure | None = key(
-        None, one_of="strength", demands=excludes("friction.law", "coulomb", why=", a coefficient alone")
+    states: StatesSection | None = key(
+        None, "friction that waits, jumps and settles; a law that fits", one_of="strength", applies=BY_STATES
     )
-    coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(0.6, applies=FITTED)
-    calibrate: Literal["end", "initial"] = fitted_key("end", applies=SHEARS + FITTED)
-    ploughing: Annotated[float, Number(Range(or_equal=True, most=3.0))] = key(0.0, applies=SHEARS)
+    shear_strength: Pressure | None = key(
+        None,
+        "interfacial shear strength τ0",
+        one_of="strength",
+        demands=excludes("friction.law", "coulomb", why=", a coefficient alone"),
+    )
+    coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(
+        0.6,
+        "measured coefficient that fixes τ0, instead; coulomb: the coefficient μ",
+        assumed="for want of a measured one",
+        applies=FITTED,
+    )
+    calibrate: Literal["end", "initial"] = fitted_key(
+        "end", "when the measured coefficient holds", applies=SHEARS + FITTED
+    )
+    ploughing: Annotated[float, Number(Range(or_equal=True, most=3.0))] = key(
+        0.0, "part μ_p of the coefficient that does not shear", applies=SHEARS
+    )
     initial_ratio: Annotated[float, Number(Range(or_equal=True, most=1000.0))] | None = key(
         None,
+        "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit",
         applies=SHEARS,
         demands=needs("friction.running_in")
         + no_cell_by_cell(": a shear strength that runs in by a fit would be counted twice"),
     )
-    running_in: Length | None = key(None, applies=SHEARS, demands=needs("friction.initial_ratio"))
+    running_in: Length | None = key(
+        None,
+        "running-in: L_τ of the shear strength",
+        applies=SHEARS,
+        demands=needs("friction.initial_ratio"),
+    )
     area: Literal["contact", "touched", "cumulative", "nominal"] = key(
         "contact",
+        "area that shears",
         applies=SHEARS,
         demands=no_cell_by_cell(", which shears the cells in contact", of=NOT_CONTACT),
     )
     junction_growth: Annotated[float, Number(Range(or_equal=True, most=100.0))] = key(
         0.0,
+        "α of the cap √(H² − α τ²) of a cell under shear: junctions grow (Tabor: 9 to 27); 0 is none",
         demands=NO_STATES
         + BARE_STRENGTH
         + NO_BEARING_CURVE
@@ -118,13 +160,16 @@ class Friction(Section):
     )
     largest_coefficient: Annotated[float, Number(Range(most=3.0))] | None = key(
         None,
+        "largest part of its pressure that shears a cell, whatever its strength; if not given there is none",
         applies=SHEARS,
         demands=BARE_STRENGTH
         + NO_BEARING_CURVE
         + excludes("wear.law", "energy", why=", which wears cells in contact by one strength")
         + excludes("study.model", "two-scale", why=", whose patches do not follow it"),
     )
-    film: FilmSection | None = key(None, demands=NO_STATES + BARE_STRENGTH + NO_BEARING_CURVE)
+    film: FilmSection | None = key(
+        None, "a film that wear breaks", demands=NO_STATES + BARE_STRENGTH + NO_BEARING_CURVE
+    )
 
     @property
     def fitted(self) -> Literal["end", "initial", "coulomb", "states"] | None:
@@ -162,5 +207,9 @@ class Friction(Section):
 class Junctions(Section):
     """The section [junctions] says what the critical size of junctions follows from."""
 
-    surface_energy: Annotated[float, InUnit("N/mm")] | None = key(None)
-    strength: Pressure | None = key(None)
+    surface_energy: Annotated[float, InUnit("N/mm")] | None = key(
+        None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"
+    )
+    strength: Pressure | None = key(
+        None, "shear strength σ_j of junctions; by default the hardness/(3√3) of the softer body"
+    )

@@ -44,12 +44,18 @@ def _name(value: str) -> str:
 class LayerSection(Section):
     """A table [[disc.layers]] or [[counter.layers]] says what a layer is, from the surface down."""
 
-    name: Annotated[str, AfterValidator(_name)] = key(...)
-    thickness: Length = key(...)
-    wear: WearCoefficient = key(...)
-    hardness: Hardness | None = key(None)
-    shear_strength: Pressure | None = key(None)
-    coefficient: Annotated[float, Number(Range(most=3.0))] | None = key(None)
+    name: Annotated[str, AfterValidator(_name)] = key(..., "what it is called in results, such as 'dlc'")
+    thickness: Length = key(..., "wear depth at which it is worn through, below the layer above")
+    wear: WearCoefficient = key(
+        ..., "wear coefficient K, such as '2e-7 mm^3/N/m'; mm^3/J by wear.law = 'energy'"
+    )
+    hardness: Hardness | None = key(None, "indentation hardness; if not given the body's")
+    shear_strength: Pressure | None = key(
+        None, "interfacial shear strength; if not given friction.shear_strength, that of the bodies"
+    )
+    coefficient: Annotated[float, Number(Range(most=3.0))] | None = key(
+        None, "instead of a shear strength: the shear is at most this part of the pressure"
+    )
 
     def _check(self) -> None:
         if self.shear_strength is not None and self.coefficient is not None:

@@ -82,10 +82,21 @@ WearCoefficient = Annotated[
 class Wear(Section):
     """The section [wear] says what each body loses."""
 
-    counter: WearCoefficient = key(...)
-    disc: WearCoefficient = key(...)
+    counter: WearCoefficient = key(
+        ...,
+        'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without '
+        "a unit k = K H, H as of the disc",
+    )
+    disc: WearCoefficient = key(
+        ...,
+        'wear coefficient K of the disc, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
+        "k = K H, with contact.hardness or else the softer body's for both bodies",
+    )
     law: Literal["archard", "exponential", "running-in", "bearing-curve", "energy", "transition"] = key(
         "archard",
+        "depth = K × pressure × distance, K constant or by an empirical law of the distance slid; energy: "
+        "depth = α × friction energy of an area, with counter and disc in mm^3/J; transition: K by the "
+        "pressure of a cell, with counter and disc for mild wear",
         demands=needs("wear.decay", of="exponential")
         + needs("wear.running_in", of="running-in")
         + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
@@ -108,16 +119,31 @@ class Wear(Section):
         + excludes("kinematics", "fretting", of=OF_PRESSURE, why=", where cells slip by their own lengths")
         + excludes("patches.coupling", "load", of=OF_PRESSURE),
     )
-    decay: Annotated[float, InUnit("1/mm")] | None = key(None, applies=when("wear.law", "exponential"))
-    running_in: Length | None = running_in_key(None)
-    initial_counter: WearCoefficient | None = running_in_key(None)
-    initial_disc: WearCoefficient | None = running_in_key(None)
-    severe_counter: WearCoefficient | None = transition_key(None)
-    severe_disc: WearCoefficient | None = transition_key(None)
-    transition_pressure: Pressure | None = transition_key(None)
-    transition_width: Pressure | None = transition_key(None)
+    decay: Annotated[float, InUnit("1/mm")] | None = key(
+        None,
+        "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit",
+        applies=when("wear.law", "exponential"),
+    )
+    running_in: Length | None = running_in_key(
+        None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
+    )
+    initial_counter: WearCoefficient | None = running_in_key(
+        None, "running-in: K0 of the counter-body; K if not given"
+    )
+    initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
+    severe_counter: WearCoefficient | None = transition_key(
+        None, "transition: K of severe wear of the counter-body"
+    )
+    severe_disc: WearCoefficient | None = transition_key(None, "transition: K of severe wear of the disc")
+    transition_pressure: Pressure | None = transition_key(
+        None, "transition: pressure of a cell in the middle of the transition"
+    )
+    transition_width: Pressure | None = transition_key(
+        None, "transition: pressures from its beginning to its end, over which K is linear"
+    )
     distance_factor: Literal["none", "across", "radial"] = key(
         "none",
+        "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
         applies=AT_REST,
         demands=excludes("study.model", "two-scale", of=("across", "radial"), why=IN_ONE_PROPORTION)
         + excludes("contact.law", "half-space", of=("across", "radial"))
@@ -126,15 +152,29 @@ class Wear(Section):
     )
     particle: Annotated[float | Literal["critical"], InUnit("mm", words=("critical",))] | None = key(
         None,
+        "diameter d* of the pieces in which worn volume leaves; critical: that of thesis eq 2.3, see "
+        "[junctions]; if not given, it leaves at once, as dust",
         demands=needs("wear.particle_thickness", what=THICKNESS)
         + needs("study.model", "micro", why=": patches would cut pieces, and smooth bodies have none")
         + needs("pair.critical_junction", of="critical", what=CRITICAL),
     )
-    particle_thickness: Length | None = shed_key(None)
-    dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(0.0)
-    pending_start: Literal["zero", "uniform"] = shed_key("zero")
+    particle_thickness: Length | None = shed_key(
+        None,
+        "thickness t of a piece at its middle: 4 Rq of profiles of the worn counter-body along sliding, form "
+        "removed, or of flakes in SEM",
+    )
+    dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(
+        0.0,
+        "share of the worn volume that leaves at once beside the pieces",
+        assumed="wear in pieces alone; a few per cent change the course",
+    )
+    pending_start: Literal["zero", "uniform"] = shed_key(
+        "zero",
+        "volume that pieces have gathered before the test: none, or drawn, so that they are at every stage",
+        assumed="unworn bodies: the first pieces take a while",
+    )
     pending_seed: Annotated[int, Field(ge=0, strict=True)] = key(
-        0, applies=SHEDS + when("wear.pending_start", "uniform")
+        0, "seed of the uniform start", applies=SHEDS + when("wear.pending_start", "uniform")
     )
 
     @property
