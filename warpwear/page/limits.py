@@ -6,7 +6,7 @@ The sentences stand in templates/limits.toml; here are the conditions of these, 
 import math
 from collections.abc import Callable
 
-from warpwear.results.formats.forms import prose
+from warpwear.errors import prose
 from warpwear.study.study import Study
 
 #: Names of conditions, with commas between them -> the sentences that apply where all hold.

@@ -1,8 +1,6 @@
-"""Read the sentences of `templates/`, and fill its forms: pages, paragraphs, LaTeX, XML of other software."""
+"""Fill the forms of `templates/`: pages, paragraphs, LaTeX, XML of other software."""
 
-import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
@@ -27,9 +25,3 @@ def filled(
     )
     environment.filters.update(filters)
     return environment.get_template(form).render(content)
-
-
-def prose(name: str) -> dict[str, Any]:
-    """Read the sentences of a file of `templates/`."""
-    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
