@@ -5,10 +5,17 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from warpwear.errors import InputError, sentences
 from warpwear.grid import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int64]
+say = sentences("measurements")
+
+
+def refused(why: str, /, **values: Any) -> InputError:
+    """Return the error of a measurement that cannot be used, as `say` gives its sentence."""
+    return InputError(say(why, **values))
 
 
 class Surface(Protocol):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.surfaces import container
 from warpwear.surfaces.container import ORIGINAL, Member, check_archive, is_container
 from warpwear.surfaces.files import gwyddion, layouts
@@ -98,10 +98,8 @@ def read_raw(source: SurfaceFile) -> Raw:
     The ending decides what its content leaves open. Raises InputError, naming ``disc.surface``, for what
     cannot be read.
     """
-    try:
+    with explained(f"disc.surface '{source.path}' cannot be read"):
         format = next(format for format in FORMATS if format.fits(source))
-    except OSError as error:
-        raise InputError(f"disc.surface '{source.path}' cannot be read: {error.strerror}") from error
     with _refused(source.path, f"as {format.endings[0]}"):
         raw = format.read(source)
     if source.array is not None and not raw.chosen:

@@ -10,7 +10,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, blocks_of_rows
-from warpwear.surfaces.base import BoolArray, IntArray, spacing
+from warpwear.surfaces.base import BoolArray, IntArray, refused, say, spacing
 from warpwear.surfaces.levelling import low_pass, without_polynomial
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.profiles.profile import prepared
@@ -91,10 +91,7 @@ class Measured:
         """
         reach = _reach(x, y)
         if self.extend == "refuse" and self._is_exceeded(reach):
-            raise InputError(
-                f'disc.extend is "refuse" and the measurement, {_pair(self.size)} mm, is smaller than the '
-                f'{_pair(reach)} mm needed: allowed is "mirror", "periodic" or a smaller grid'
-            )
+            raise refused("too_small", size=_pair(self.size), reach=_pair(reach))
         pixels = [_pixels(p, n, d) for p, n, d in zip((x, y), self.levelled.shape, self.pixel, strict=True)]
         if pixels[0] is not None and pixels[1] is not None:
             return self.levelled[pixels[0], pixels[1]].copy()
@@ -122,10 +119,8 @@ class Measured:
         reach = _reach(x, y)
         if self.extend != "refuse" and self._is_exceeded(reach):
             copies = " × ".join(f"{r / s:.1f}" for r, s in zip(reach, self.size, strict=True))
-            notices.append(
-                f"the measurement, {_pair(self.size)} mm, is smaller than the grid, {_pair(reach)} mm, and "
-                f"is {'mirrored' if self.extend == 'mirror' else 'repeated'}: {copies} copies"
-            )
+            how = "mirrored" if self.extend == "mirror" else "repeated"
+            notices.append(say("copies", size=_pair(self.size), reach=_pair(reach), how=how, copies=copies))
         cells = (spacing(x), spacing(y))
         if self.extend == "periodic":
             triples = zip(reach, cells, self.size, strict=True)
@@ -167,10 +162,7 @@ class Measured:
         seam = _rms(first[0] - last[-1])
         if seam <= SEAM * _rms(np.diff([first, last], axis=1)):
             return []
-        return [
-            f"The disc's surface does not repeat after sliding.track = {x.size * spacing(x):g} mm: it has a "
-            f"seam of {_um(seam)} rms where the lap closes."
-        ]
+        return [say("lap_seam", length=x.size * spacing(x), seam=_um(seam))]
 
     def record(self) -> dict[str, Any]:
         """Return file, format, grid, pixel, what was done, and the roughness of the measured points."""
@@ -191,37 +183,20 @@ class Measured:
         doubts = []
         filled = 0.0 if self.filled is None else 100.0 * float(self.filled.mean())
         if max(filled, filled_percent) >= MUCH_MISSING:
-            doubts.append(
-                f"{filled:.3g} % of the measurement is missing and was filled in, as are "
-                f"{filled_percent:.3g} % of the points used: the surface there is not known, so that a "
-                "contact there means nothing"
-            )
+            doubts.append(say("filled", filled=filled, filled_percent=filled_percent))
         more = 100.0 / math.cos(math.radians(self.details.get("tilt_degrees", 0.0))) - 100.0
         if more > TILTED:
-            doubts.append(
-                f"measured with a tilt of {self.details['tilt_degrees']:.3g}°: heights over the mean plane "
-                f"are vertical, {more:.2g} % larger than square to it"
-            )
+            doubts.append(say("tilted", tilt=self.details["tilt_degrees"], more=more))
         sq = float(np.nanstd(self.measured))
         if min(self.pixel) > COARSE and sq > COARSE:
-            doubts.append(
-                f"pixel {_pair((1e3 * self.pixel[0], 1e3 * self.pixel[1]))} µm and Sq {1e3 * sq:.3g} µm are "
-                f"large for a measured disc: is the file's unit, {self.details.get('unit')}, right? "
-                "disc.height_unit and disc.pixel override it"
-            )
+            pixel = _pair((1e3 * self.pixel[0], 1e3 * self.pixel[1]))
+            doubts.append(say("large", pixel=pixel, sq=1e3 * sq, unit=self.details.get("unit")))
         highest = float(np.nanmax(self.measured)) / sq if sq > 0.0 else 0.0
         removed = self.details.get("outliers_removed", 0)
         if highest > SPIKE and not removed:
-            doubts.append(
-                f"the highest point stands {highest:.2g} times Sq above the mean, as spikes of an instrument "
-                "do, and the bodies would touch there first: look at the map; disc.outliers, such as 6, "
-                "removes points that stand out from their neighbours"
-            )
+            doubts.append(say("spike", highest=highest))
         if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
-            doubts.append(
-                f"outliers: {removed} points, {share:.3g} % of the measurement, were removed: more than "
-                "spikes usually are, so real peaks or valleys may be among them; compare without outliers"
-            )
+            doubts.append(say("outliers_removed", removed=removed, share=share))
         shortest = max(2.0 * cell, self.details.get("s_filter_um", 0.0) * 1e-3)
         fine, coarse = slope_against_cut_off(
             self.levelled,
@@ -231,8 +206,7 @@ class Measured:
         )
         if fine - coarse > SLOPE_CHANGE * fine:
             doubts.append(
-                f"the rms slope still depends on the shortest wavelength: {fine:.3g} from {_um(shortest)} "
-                f"on, {coarse:.3g} from {_um(2 * shortest)} on; so does the contact"
+                say("short_waves", fine=fine, wave=_um(shortest), coarse=coarse, longer=_um(2 * shortest))
             )
         return doubts
 

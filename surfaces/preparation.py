@@ -9,7 +9,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, refused
 from warpwear.surfaces.filling import completed
 from warpwear.surfaces.levelling import areal_low_pass, tilt, without_polynomial
 from warpwear.surfaces.outliers import outliers
@@ -93,11 +93,8 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
         )
     share = (missing + removed) / heights.size
     if share > LARGEST_MISSING:
-        raise InputError(
-            f"disc.surface '{name}' has {100 * share:.3g} % of its points missing"
-            + (f", {removed} of them removed by disc.outliers" if removed else "")
-            + f": allowed are at most {100 * LARGEST_MISSING:g} %"
-        )
+        by = f", {removed} of them removed by disc.outliers" if removed else ""
+        raise refused("missing", name=name, percent=100 * share, by_outliers=by, most=100 * LARGEST_MISSING)
     heights, sentence, tilted = _levelled(heights, pixel, preparation.level)
     done.append(sentence)
     sq = float(np.sqrt(np.nanmean(np.square(heights))))
@@ -134,10 +131,7 @@ def degree_of(level: str | int) -> int | Literal["sphere", "cylinder"]:
         return "sphere" if level == "sphere" else "cylinder"
     degree = {"none": 0, "plane": 1}.get(level) if isinstance(level, str) else level
     if degree is None or isinstance(level, bool) or not 0 <= degree <= HIGHEST_DEGREE:
-        raise InputError(
-            f'disc.level is {level!r}: allowed is "none", "plane", "sphere", "cylinder" or a degree from 0 '
-            f"to {HIGHEST_DEGREE}"
-        )
+        raise refused("level", level=level, most=HIGHEST_DEGREE)
     return degree
 
 
@@ -163,10 +157,7 @@ def cropped(heights: FloatArray, pixel: tuple[float, ...], crop: Sequence[float]
             "x0, x1, y0, y1" if is_map else "x0, x1",
             " × ".join(f"{size:.6g}" for size in extent),
         )
-        raise InputError(
-            f"disc.crop is ({', '.join(f'{v:.6g}' for v in crop)}) mm: allowed is {allowed} within the "
-            f"measurement, {whole} mm, or a size up to that"
-        )
+        raise refused("crop", given=", ".join(f"{v:.6g}" for v in crop), allowed=allowed, whole=whole)
     part = np.ascontiguousarray(heights[tuple(slices)])
     ends = zip("xy", bounds[::2], bounds[1::2], strict=False)
     sides = " and ".join(f"{axis} {low:.6g} to {high:.6g} mm" for axis, low, high in ends)
@@ -183,10 +174,7 @@ def _levelled(
         try:
             fitted: Sphere | Cylinder = fit(heights, pixel=pixel)
         except NoSphere as error:
-            raise InputError(
-                f'disc.level is "{degree}" and no {degree} fits the measurement ({error}): allowed is '
-                '"none", "plane" or a degree'
-            ) from error
+            raise refused("no_form", degree=degree, error=error) from error
         rest = heights - fitted.heights(*places(heights.shape, pixel))
         rest -= np.nanmean(rest)
         way = "bulging" if fitted.radius > 0 else "hollow"
@@ -210,14 +198,11 @@ def _filtered(
     short, long = preparation.s_filter, preparation.l_filter
     for key, cut_off in (("s_filter", short), ("l_filter", long)):
         if cut_off is not None and not shortest * (1 - 1e-9) <= cut_off <= longest:
-            raise InputError(
-                f"disc.{key} is {1e3 * cut_off:.4g} µm: allowed is from two pixels, {1e3 * shortest:.4g} µm, "
-                f"to the measurement's shorter side, {1e3 * longest:.4g} µm"
+            raise refused(
+                "cut_off", key=key, cut_off=1e3 * cut_off, shortest=1e3 * shortest, longest=1e3 * longest
             )
     if short is not None and long is not None and short >= long:
-        raise InputError(
-            f"disc.s_filter is {1e3 * short:.4g} µm: allowed is less than disc.l_filter, {1e3 * long:.4g} µm"
-        )
+        raise refused("both_filters", short=1e3 * short, long=1e3 * long)
     sentence = (
         "{}-filter: Gaussian (ISO 16610-61), waves {} than {:.4g} µm taken off, half transmitted there, "
         "mirrored at the edges"
@@ -240,15 +225,9 @@ def _check_plausible(
     smaller = {"km": "m", "m": "mm", "cm": "mm", "mm": "um", "µm": "nm", "um": "nm"}.get(unit)
     advice = "or give disc.height_unit" + (f', such as "{smaller}" instead of {unit}' if smaller else "")
     if not sq <= LARGEST_SQ:
-        raise InputError(
-            f"disc.surface '{name}' has Sq = {sq:.3g} mm after levelling: allowed is at most {LARGEST_SQ:g} "
-            f"mm, {advice}"
-        )
+        raise refused("high", name=name, sq=sq, most=LARGEST_SQ, advice=advice)
     valid = [s[~np.isnan(s)] for s in [np.diff(heights, axis=axis) / pixel[axis] for axis in (0, 1)]]
     # less the median step: a tilt that is left on is no slope of the surface
     slope = max((float(np.median(np.abs(v - np.median(v)))) for v in valid if v.size), default=0.0)
     if slope > STEEPEST:
-        raise InputError(
-            f"disc.surface '{name}' has slopes of {slope:.3g} over half its area: allowed is at most "
-            f"{STEEPEST:g}, {advice}, or give disc.pixel"
-        )
+        raise refused("steep", name=name, slope=slope, most=STEEPEST, advice=advice)

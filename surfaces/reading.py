@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.grid import FloatArray
+from warpwear.surfaces.base import refused
 from warpwear.surfaces.outliers import STEPS, at_ends, marks_of_loss
 
 if TYPE_CHECKING:
@@ -122,9 +123,7 @@ def read(
         held = f"{100.0 * np.mean(known == end):.2g} % of the points hold exactly the {which} height"
         doubts += (f"{held}, {end:g} {unit}: the end of the instrument's range, or lost points?",)
     if float(np.nanmax(np.abs(heights))) > FARTHEST:
-        raise InputError(
-            f"disc.surface '{path}' has heights beyond {FARTHEST:g} mm (unit {unit}), which is no topography"
-        )
+        raise refused("far_heights", path=path, most=FARTHEST, unit=unit)
     return Reading(
         heights=heights,
         pixel=_pixel_of_file(path, raw) if pair is None else pair,
@@ -156,20 +155,15 @@ def copied(path: Path, *, key: str = "disc.surface") -> Iterator[tuple[Path, str
     """
     with tempfile.TemporaryDirectory(prefix="warpwear-") as folder:
         copy = Path(folder) / path.name
-        try:
+        with explained(f"{key} '{path}' cannot be read"):
             shutil.copyfile(path, copy)
-        except OSError as error:
-            raise InputError(f"{key} '{path}' cannot be read: {error.strerror}") from error
         yield copy, digest_of(copy)
 
 
 def digest_of(path: str | Path, *, key: str = "disc.surface") -> str:
     """Return the SHA-256 of a file as hexadecimal text. Raises InputError, naming the key."""
-    try:
-        with Path(path).open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"{key} '{path}' cannot be read: {error.strerror}") from error
+    with explained(f"{key} '{path}' cannot be read"), Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _millimetres(unit: str | None) -> float | None:
@@ -207,16 +201,10 @@ def _is_pixel(length: float) -> bool:
 
 def _height_factor(path: Path, unit: str | None, raw: "Raw") -> float:
     if unit is None:
-        raise InputError(
-            f"disc.height_unit is not given and disc.surface '{path}' names no unit of its heights"
-            f"{_step(raw)}: allowed is one of {UNITS}"
-        )
+        raise refused("no_unit", path=path, step=_step(raw), units=UNITS)
     factor = _millimetres(unit)
     if factor is None:
-        raise InputError(
-            f"disc.surface '{path}' has the unit {unit!r}: allowed is one of {UNITS}, or "
-            "give disc.height_unit and disc.pixel"
-        )
+        raise refused("unknown_unit", path=path, unit=unit, units=UNITS)
     return factor
 
 
@@ -244,8 +232,5 @@ def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, float]:
     factor = _height_factor(path, raw.lateral_unit, raw)
     pixel = tuple(p * factor for p in raw.pixel)
     if not all(map(_is_pixel, pixel)):
-        raise InputError(
-            f"disc.surface '{path}' has a pixel of {' × '.join(f'{p:g}' for p in pixel)} mm: allowed is from "
-            "0.1 nm to 1 mm, or give disc.pixel"
-        )
+        raise refused("odd_pixel", path=path, sizes=" × ".join(f"{p:g}" for p in pixel))
     return pixel[0], pixel[-1]

@@ -1,8 +1,11 @@
 """How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
 
 import re
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 #: What the command line and Python call by different names, for the sentences of both.
 OVERWRITE_IT = "overwrite it (--overwrite, overwrite=True)"
@@ -17,6 +20,21 @@ _OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*)(, (?=\1s?=))?")
 def in_python(text: str) -> str:
     """Name options in a text as Python does: height_unit for --height-unit."""
     return _OPTION.sub(lambda match: "" if match[2] else match[1].replace("-", "_"), text)
+
+
+def prose(name: str) -> dict[str, Any]:
+    """Read the sentences of a file of `templates/`."""
+    return tomllib.loads((Path(__file__).parent / "templates" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def sentences(name: str) -> Callable[..., str]:
+    """Return what fills in a sentence of a file of `templates/`, by its name, with values by its fields."""
+    texts = prose(name)
+
+    def say(sentence: str, /, **values: Any) -> str:
+        return str(texts[sentence].format(**values))
+
+    return say
 
 
 def printable(text: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
+from warpwear.surfaces.base import say
 from warpwear.surfaces.made.fourier import ComplexArray, uniform_draws
 from warpwear.surfaces.made.synthetic import FourierSurface
 from warpwear.surfaces.profiles.profile import Profile
@@ -59,19 +60,13 @@ class LikeProfile(FourierSurface):
         """Say what the profile does not tell, what is left out of it, and what the grid x × y [mm] lacks."""
         notices = self._repeats(x, y) + self._unresolved(x, y)
         what = "isotropic" if self.lay_length is None else f"alike over {self.lay_length:g} mm along its lay"
-        notices.append(
-            f"a surface like the profile {self.like} is one of many: a profile tells no lay and nothing "
-            f"beside its line; it is made {what}"
-        )
+        notices.append(say("like", profile=self.like, what=what))
         short, long = self._left_out
         for part, waves in ((short, "shorter than cut_off"), (long, "longer than period")):
             if part > MUCH:
                 notices.append(f"{100.0 * part:.2g} % of the profile's Rq² are waves {waves}, and left out")
         if self._spectrum[2] > UNLIKELY:
-            notices.append(
-                "no isotropic surface has the spectrum of the profile, which has a regular wave or a lay: "
-                "disc.synthetic.lay_length makes a surface with a lay, which has it"
-            )
+            notices.append(say("not_isotropic"))
         return notices
 
     def record(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, refused
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
@@ -97,10 +97,7 @@ def find_worn_ball(
         if abs(ball.volume - other.volume) > allowed or _bend(ball.lost, ball.patch, pixel) >= 0.0:
             raise InputError(NOT_TOLD)
     if ball.volume <= LEAST_ERRORS * ball.volume_error:
-        raise InputError(
-            f"nothing on the ball stands out as worn: {ball.volume:.2g} ± {ball.volume_error:.2g} mm³ in its "
-            "deepest patch are not told from roughness, whose deepest place among many holds as much"
-        )
+        raise refused("unworn_ball", ball=ball)
     return ball
 
 

@@ -10,7 +10,7 @@ from numpy.polynomial import legendre
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, refused
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
@@ -83,10 +83,7 @@ def find_scar(
         unworn = measured & ~patch & ~reach.rim
         part = float(unworn.sum() / measured.sum())
         if part < LEAST_UNWORN:
-            raise InputError(
-                f"the scar fills the field: {100.0 * part:.2g} % of it is unworn beside scar and "
-                f"pile-up, at least {100.0 * LEAST_UNWORN:g} % is needed; a wider measurement is needed"
-            )
+            raise refused("wide_scar", percent=100.0 * part, least=100.0 * LEAST_UNWORN)
         if same:
             break
     if sides_reached(patch) == 4:

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, refused
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
@@ -124,28 +123,21 @@ def difference(
     if correlation >= LEAST_COARSE:
         place, correlation = _fitted(later, sampled, place, pixel=pixel)
     if not correlation >= LEAST_CORRELATION:
-        raise InputError(
-            "--before does not show the place of FILE, or too little of that is unworn: laid over each other "
-            f"at best, the heights beside the scar have a correlation of {correlation:.2g}, at least "
-            f"{LEAST_CORRELATION:g} is needed; check --sliding-axis and --height-sign of both"
-        )
+        raise refused("other_place", correlation=correlation, least=LEAST_CORRELATION)
     x, y = places((later.shape[0], later.shape[1]), pixel)
     below = sampled.at(*np.meshgrid(x, y, indexing="ij"), place)
     agreeing = _agreeing_waves(later, below, pixel)
     if not agreeing >= LEAST_AGREEING:
-        raise InputError(
-            "--before does not show the place of FILE: laid over each other at best, the heights have a "
-            f"correlation of {correlation:.2g}, as grooves that repeat may have, but across them "
-            f"{100.0 * max(agreeing, 0.0):.2g} % of the long waves agree, at least "
-            f"{100.0 * LEAST_AGREEING:g} % is needed"
+        raise refused(
+            "repeated_grooves",
+            correlation=correlation,
+            percent=100.0 * max(agreeing, 0.0),
+            least=100.0 * LEAST_AGREEING,
         )
     rows, columns = _shared(~np.isnan(below))
     heights = (later - below)[rows, columns]
     if heights.size < LEAST_OVERLAP * later.size:
-        raise InputError(
-            f"--before shows only {100.0 * heights.size / later.size:.2g} % of the field of FILE: at least "
-            f"{100.0 * LEAST_OVERLAP:g} % is needed"
-        )
+        raise refused("small_overlap", percent=100.0 * heights.size / later.size, least=100.0 * LEAST_OVERLAP)
     return Difference(
         heights=heights,
         shift=(float(place[0]), float(place[1])),
@@ -238,10 +230,8 @@ def _check_alike(later: _Map, earlier: _Map) -> None:
         min(later.extent) / FEWEST_PIXELS
     ):
         sizes = [" × ".join(f"{side:.4g}" for side in one.extent) for one in (earlier, later)]
-        raise InputError(
-            f"--before has a field of {sizes[0]} mm, FILE one of {sizes[1]} mm: at least "
-            f"{100.0 * LEAST_OVERLAP:g} % of it must be in both, by {FEWEST_PIXELS} points or more along "
-            "each side; --pixel overrides what files say"
+        raise refused(
+            "other_field", earlier=sizes[0], later=sizes[1], least=100.0 * LEAST_OVERLAP, fewest=FEWEST_PIXELS
         )
     apart = max(*later.pixel, *earlier.pixel, STEP * later.extent[0])
     steps = []
@@ -249,10 +239,7 @@ def _check_alike(later: _Map, earlier: _Map) -> None:
         i, j = (max(1, round(apart / d)) for d in pixel)
         steps.append(float(np.nanmedian(np.abs(np.diff(heights[::i, ::j], axis=0)))))
     if min(steps) > 0.0 and not 1.0 / ALIKE <= steps[1] / steps[0] <= ALIKE:
-        raise InputError(
-            f"--before is {steps[1] / steps[0]:.3g} times as rough as FILE: the heights of one have another "
-            "unit; --height-unit, if given, holds for both files"
-        )
+        raise refused("other_unit", times=steps[1] / steps[0])
 
 
 def _coarse(source: _Map, step: float) -> _Earlier:

@@ -10,7 +10,7 @@ from numpy.polynomial import legendre
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, refused
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.profiles.profile import Profile
@@ -187,10 +187,7 @@ def find_track(
     )
     net = float(track.net.mean())
     if width is None and net <= LEAST_ERRORS * track.net_error:
-        raise InputError(
-            f"no track was found: the deepest part has a net section of {1e6 * net:.3g} µm², with a standard "
-            f"error of {1e6 * track.net_error:.2g} µm²; --track-width measures it anyway"
-        )
+        raise refused("no_track", net=1e6 * net, error=1e6 * track.net_error)
     return track
 
 

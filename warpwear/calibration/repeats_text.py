@@ -9,10 +9,10 @@ import numpy as np
 
 from warpwear.calibration.scatter import CONDITIONS, HELD, ScatterModel
 from warpwear.ensembles.ensemble import EnsembleRow, Group
+from warpwear.errors import prose
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.results.ensemble import in_legend
-from warpwear.results.formats.forms import prose
 from warpwear.results.report import aligned, scientific, shown
 
 #: Places at which the next test's course is computed, at most.

@@ -9,14 +9,13 @@ from typing import Any
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.calibration.measurements import Tests
 from warpwear.calibration.repeated import CalibratedTests, each_test
-from warpwear.errors import InputError, named_in_python
+from warpwear.errors import InputError, named_in_python, prose
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import COF, PLOUGHING, Options, number, optional, quantity
 from warpwear.measured.report import Report
 from warpwear.result import Run, opened
-from warpwear.results.formats.forms import prose
 from warpwear.results.report import Row, lines, table
 from warpwear.study.study import Study
 

@@ -7,9 +7,8 @@ from typing import Any
 
 from warpwear.calibration import wear as volumes
 from warpwear.calibration.measurements import MeasuredTest, size_and_error
-from warpwear.errors import InputError
+from warpwear.errors import InputError, prose
 from warpwear.measured.surface import Kind, Preparation, worn_in
-from warpwear.results.formats.forms import prose
 
 
 @dataclass(frozen=True)

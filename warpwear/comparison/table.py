@@ -11,9 +11,9 @@ from warpwear.ensembles.datum import Datum
 from warpwear.ensembles.ensemble import Ensemble
 from warpwear.ensembles.page import titled, with_scatter
 from warpwear.ensembles.table import write_csv
+from warpwear.errors import prose
 from warpwear.history.end_values import ENDS, Value
 from warpwear.history.quantities import Quantity
-from warpwear.results.formats.forms import prose
 from warpwear.results.report import aligned, shown, to_json, without_nan
 from warpwear.version import __version__
 

@@ -12,9 +12,8 @@ from warpwear.calibration.repeats import RepeatedTests, repeats
 from warpwear.calibration.repeats_text import with_s
 from warpwear.calibration.scatter import PairTest
 from warpwear.calibration.worn import SOURCES
-from warpwear.errors import InputError, reworded
+from warpwear.errors import InputError, prose, reworded
 from warpwear.measured.friction.states import StatesFit, fit_states, part_of, untold
-from warpwear.results.formats.forms import prose
 from warpwear.study.content import Content
 from warpwear.study.keys import alternatives_of, attribute_of, dotted
 from warpwear.study.study import Study

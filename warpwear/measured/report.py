@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from warpwear import lazy
-from warpwear.errors import OVERWRITE_IT, InputError, in_python
+from warpwear.errors import OVERWRITE_IT, InputError, in_python, prose
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
 from warpwear.figures.sections import under_headings
 from warpwear.figures.style import check_format, write_figure
 from warpwear.page.folder import Content, write_report
 from warpwear.results.folder import check_folder
-from warpwear.results.formats.forms import prose
 from warpwear.results.frames import package
 from warpwear.results.report import VALUES, Row, lines, record, to_json, without_nan
 from warpwear.version import __version__

@@ -7,10 +7,10 @@ import math
 from enum import IntEnum
 from typing import Any, NamedTuple
 
+from warpwear.errors import prose
 from warpwear.history.end_values import Summary
 from warpwear.laws.archard import BODIES
 from warpwear.page.limits import applies
-from warpwear.results.formats.forms import prose
 from warpwear.results.report import shown
 from warpwear.study.study import Study
 

@@ -6,7 +6,8 @@ The sentences stand in templates/limits.toml; their conditions, and those of eff
 import math
 from typing import Any
 
-from warpwear.results.formats.forms import holds, prose
+from warpwear.errors import prose
+from warpwear.results.formats.forms import holds
 from warpwear.study.study import Study
 
 #: Names of conditions, with commas between them -> the sentences that apply where all hold.

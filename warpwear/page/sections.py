@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from warpwear.errors import prose
 from warpwear.figures.of_run import shape
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.table import FIGURES, Plotter
@@ -11,7 +12,6 @@ from warpwear.figures.of_run.words import TemplateFields
 from warpwear.figures.sections import PageSection, under_headings
 from warpwear.figures.wording import chosen
 from warpwear.page.plots import POINTS
-from warpwear.results.formats.forms import prose
 
 #: Most snapshots under a slider, and points along a side of a map.
 SNAPSHOTS, SIDE = 12, 500

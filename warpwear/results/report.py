@@ -157,9 +157,9 @@ def scientific(value: float, error: float | None = None, *, digits: int = 4) -> 
     return f"({value / 10.0**power:.{decimals}f} ± {small:.{decimals}f})e{power}"
 
 
-def to_json(content: Any, *, indent: int = 2) -> str:
+def to_json(content: Any) -> str:
     """Write JSON, which has no word for NaN and infinity: they become null."""
-    return json.dumps(without_nan(content), indent=indent, ensure_ascii=False, allow_nan=False)
+    return json.dumps(without_nan(content), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def without_nan(content: Any) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.engine.executor import require_memory
-from warpwear.errors import OTHER_FOLDER, InputError
+from warpwear.errors import OTHER_FOLDER, InputError, sentences
 from warpwear.grid import FloatArray
 from warpwear.results.file import SURFACE_FILE
 from warpwear.study.bodies import Disc
@@ -21,6 +21,7 @@ from warpwear.surfaces.reading import Reading
 
 arguments = lazy.module("warpwear.contact.array.arguments")
 
+say = sentences("runs")
 #: What the study of a run in memory names in the place of a file.
 NO_FILE = "array given to run"
 #: Keys of [disc] that do not say what its surface is.
@@ -58,10 +59,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
     macro model.
     """
     if study.study.model == "macro":
-        raise InputError(
-            "surface = an array does not apply to study.model = 'macro', whose disc is smooth; allowed: "
-            "'micro', 'two-scale'."
-        )
+        raise InputError(say("smooth_disc"))
     (x, y), cell = study.places, study.grid.cell
     filled = surface.filled_at(x, y) if isinstance(surface, Measured) else None
     if callable(getattr(surface, "heights", None)):
@@ -69,18 +67,12 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
         require_memory("cpu", 8.0 * x.size * y.size, what, "larger cells or a smaller domain are needed.")
         surface = surface.heights(x, y)
     if not hasattr(surface, "__array__") and not isinstance(surface, list | tuple):
-        raise InputError(
-            f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "
-            "with heights(x, y). The name of a file belongs in disc.surface."
-        )
+        raise InputError(say("no_heights", kind=type(surface).__name__))
     heights = arguments.checked_heights(surface, 1, name="surface")[0].copy()
     shape = (x.size, y.size)
     if heights.shape != shape:
         where = "track" if study.is_swept else "domain"
-        raise InputError(
-            f"surface has the shape {heights.shape}; an array of the shape {shape} is asked for, a height "
-            f"[mm] for every cell of {1e3 * cell:g} µm of the {where}."
-        )
+        raise InputError(say("other_shape", heights=heights, shape=shape, cell=1e3 * cell, where=where))
     path = NO_FILE if folder is None else str(folder.resolve() / SURFACE_FILE)
     reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
     prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)

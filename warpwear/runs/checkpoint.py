@@ -25,7 +25,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
+from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError, sentences
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.laws.form import Given
@@ -39,6 +39,7 @@ from warpwear.study.keys import dotted
 from warpwear.study.study import Study
 from warpwear.version import __version__
 
+say = sentences("runs")
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
 FORMAT = 15
@@ -161,6 +162,11 @@ class StoredCheckpoint:
         except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
             raise InputError(f"{self._path} is no checkpoint that can be read: {error}.") from error
 
+    def _refused(self, why: str, **values: Any) -> InputError:
+        """Return the error of a run that cannot go on from here, by the name of its sentence."""
+        how = {"path": self._path, "resume_it": RESUME_IT, "overwrite_it": OVERWRITE_IT}
+        return InputError(say(why, **how, **values))
+
     @property
     def version(self) -> str:
         """Return the version of warpwear that wrote it."""
@@ -172,33 +178,18 @@ class StoredCheckpoint:
         free = (*LABELS, "friction") if order.study.wear.particle == "critical" else FREE
         changed = changed_keys(self._order.keys, order.keys, free=free)
         if changed:
-            raise InputError(
-                f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "
-                f"was, or {OVERWRITE_IT}."
-            )
+            raise self._refused("other_study", changed=", ".join(changed))
         if self._about["counter"] != _of_counter(order):
-            raise InputError(
-                f"{self._path} cannot go on: counter.surface is not what it was when the run began; "
-                f"{RESUME_IT} with the file as it was, or {OVERWRITE_IT}."
-            )
+            raise self._refused("other_counter")
         if order.study.checks.strict and (failed := self._about["reported_violations"]):
-            raise InputError(
-                f"{self._path} was made after a check failed ({', '.join(failed)}). "
-                f"To continue anyway, set checks.strict=false and {RESUME_IT}; to start anew, {OVERWRITE_IT}."
-            )
+            raise self._refused("failed_check", failed=", ".join(failed))
         if self._about["device"].split(":")[0] != device.split(":")[0]:
-            raise InputError(
-                f"device = {device} cannot go on with {self._path}, which was made on "
-                f"{self._about['device']}; give that one."
-            )
+            raise self._refused("other_device", device=device, before=self._about["device"])
 
     def refuse_other_files(self, files: Mapping[str, str]) -> None:
         """Raise InputError where files are not what they were. files: their digests by keys."""
         if self._about["files"] != files:
-            raise InputError(
-                f"{self._path} cannot go on: a file that {' or '.join(files)} names is not what it was when "
-                f"the run began; {RESUME_IT} with the file as it was, or {OVERWRITE_IT}."
-            )
+            raise self._refused("other_file", keys=" or ".join(files))
 
     def heights_for(self, new: FloatArray) -> FloatArray:
         """Return the heights to go on with [mm]: new ones, or those stored where they differ by rounding.
@@ -210,10 +201,7 @@ class StoredCheckpoint:
         with self.reading():
             stored: FloatArray = np.asarray(self.file["heights"][()], dtype=np.float64)
         if stored.shape != new.shape or not np.abs(stored - new).max() <= SAME_HEIGHTS:
-            raise InputError(
-                f"{self._path} cannot go on: the disc's heights are not what they were when the run began, "
-                "so the file of the surface, or the software that reads or makes it, has changed."
-            )
+            raise self._refused("other_heights")
         self.heights_differ = True
         return stored
 
@@ -248,10 +236,8 @@ def opened(path: Path | None) -> Iterator[StoredCheckpoint | None]:
         if len(words) != 4 or " ".join(words[:2]) != MAGIC:
             raise InputError(damaged)
         if words[2] != str(FORMAT):
-            raise InputError(
-                f"{path} was written by another version of warpwear (format {words[2]}, this one reads "
-                f"{FORMAT}); resume it with that version, or {OVERWRITE_IT}."
-            )
+            how = {"path": path, "overwrite_it": OVERWRITE_IT}
+            raise InputError(say("other_format", **how, format=words[2], ours=FORMAT))
         if words[3] != digest_of(whole):
             raise InputError(damaged)
     with h5py.File(path, "r") as file:

@@ -9,6 +9,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.elastic import FLOW, asperities
 from warpwear.laws.track import is_whole
 from warpwear.results.track import doubt_of_directions
+from warpwear.study.doubts import say
 from warpwear.study.study import Study
 
 #: A coefficient of friction beyond this is a mistake, not a result.
@@ -35,10 +36,7 @@ def of_slope(study: Study, slope: float) -> Iterator[str]:
     sentence = f"H/(E*·rms slope) is {ratio:.2g}"
     if modulus is None:
         sentence = f"{sentence} for two bodies of steel (young or poisson of one is not given)"
-    yield (
-        f"Asperities are {kind}: {sentence}, and above {FLOW:g} the local law makes the contact too small "
-        'until wear decides it. contact.law = "half-space" lets them yield.'
-    )
+    yield say("high_asperities", kind=kind, sentence=sentence, flow=FLOW)
 
 
 def of_count(study: Study, count: float, when: str) -> Iterator[str]:
@@ -52,27 +50,19 @@ def of_count(study: Study, count: float, when: str) -> Iterator[str]:
     digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
     sizes = [1.0e-3 * n * digit for n in range(math.floor(enough / digit), 0, -1)]
     whole = (size for size in sizes if all(is_whole(side / size) for side in study.grid.sides))
-    yield (
-        f"{when} only {count:.3g} {'cell is' if count == 1.0 else 'cells are'} in contact, so its area, "
-        f"pressure and friction mean nothing: grid.cell = {1.0e3 * study.grid.cell:g} µm is too large, "
-        f"{1.0e3 * next(whole, sizes[0]):.2g} µm would do ({FEW_CELLS} cells)."
-    )
+    are, cell = "cell is" if count == 1.0 else "cells are", 1e3 * study.grid.cell
+    needed = 1e3 * next(whole, sizes[0])
+    yield say("few_cells", when=when, count=count, are=are, cell=cell, needed=needed, few=FEW_CELLS)
 
 
 def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: bool) -> Iterator[str]:
     """Doubt a history whose friction, lengths of steps or numbers of cells no contact has."""
     highest = history["cof"].max()
     if highest > ABSURD_COEFFICIENT:
-        yield (
-            f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear strength "
-            f"was measured over another kind of area than friction.area = '{study.friction.area}'."
-        )
+        yield say("absurd_friction", highest=highest, study=study)
     long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
     if long:
-        yield (
-            f"In {long} steps the length of a step changes the area by more than {100.0 * AREA_ERROR:g} % "
-            "(estimated): a smaller stepping.area_error or grid.cell is needed."
-        )
+        yield say("long_parts", long=long, percent=100.0 * AREA_ERROR)
     if doubt := doubt_of_directions(study, history):
         yield doubt
     friction, limit = study.friction, study.pair.shear_limit
@@ -82,10 +72,7 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     film = friction.film.shear_strength if friction.film else 0.0
     for name, strength in (("shear strength", tau), ("shear strength of the film", film)):
         if strength > limit:
-            yield (
-                f"The {name} of {strength:.3g} MPa is more than the softer body bears, {friction.limit} = "
-                f"{limit:.3g} MPa: that body would shear, not the interface."
-            )
+            yield say("beyond_shear", name=name, strength=strength, friction=friction, limit=limit)
     cells = history["cells_in_contact"]
     if cells[0] >= FEW_CELLS:
         yield from of_count(study, cells.min(), "At times")

@@ -23,7 +23,7 @@ from warpwear.laws.track import WHOLE, Track
 from warpwear.models.model import Model
 from warpwear.results.file import SURFACE_FILE
 from warpwear.runs.arrangements import Maker, Parts, Record, arrangement_of
-from warpwear.runs.array_surface import ArraySurface, take_surface
+from warpwear.runs.array_surface import ArraySurface, say, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
 from warpwear.study.keys import dotted
@@ -153,10 +153,7 @@ class RunOrder:
             filled = surface.filled_at(*study.places)
             filled = None if filled is None or not filled.any() else filled
         if filled is not None and filled.all():
-            raise InputError(
-                f"disc.surface = {study.disc.surface!r} was measured nowhere in the domain, but filled in: "
-                "another part of it is needed (disc.crop)."
-            )
+            raise InputError(say("all_filled", study=study))
         if filled is not None or heights is not sampled.heights:
             seen = slice(None if track is None else MOST_ROWS)
             measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
@@ -202,10 +199,7 @@ class RunOrder:
         for key, path in self.study.files.items():
             read, planned = self._read.get(str(Path(path)), set()), self.planned.get(key)
             if planned and read != {planned}:
-                raise InputError(
-                    f"{key} '{path}' is not the file any more that the sweep was planned with; start the "
-                    "sweep again"
-                )
+                raise InputError(say("unplanned_file", key=key, path=path))
             if len(read) > 1:
                 raise InputError(f"{key} '{path}' changed while the run read it; run it again")
 

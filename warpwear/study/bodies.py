@@ -19,7 +19,7 @@ RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise=NO_KIND)
 PERIODIC = when("disc.synthetic.kind", "self-affine", "milled", "profile", otherwise=NO_KIND)
 LIKE = when("disc.synthetic.kind", "profile", otherwise=NO_KIND)
 LAY = when("disc.synthetic.kind", "milled", "profile", otherwise=NO_KIND)
-MILLED = when("disc.synthetic.kind", "milled", otherwise="does not apply to kind = '{}'")
+MILLED = when("disc.synthetic.kind", "milled", otherwise=NO_KIND)
 CROWNED = when("counter.shape", "crowned")
 NOMINAL = when(
     "counter.has_radius",

@@ -18,6 +18,7 @@ from typing import Annotated, Any, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
+from warpwear.errors import sentences
 from warpwear.study.units import EXAMPLES, NOT_NEGATIVE, InUnit
 
 Length = Annotated[float, InUnit("mm")]
@@ -171,6 +172,14 @@ def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:
 
 #: As `needs`: the demand that `name` has none of the values, or says nothing at all, beside a key.
 excludes = partial(needs, excludes=True)
+
+
+_refusal = sentences("refusals")
+
+
+def refused(why: str, /, **values: Any) -> ValueError:
+    """Return the error of a study that a rule refuses, by the name of its sentence. values: of its fields."""
+    return ValueError(_refusal(why, **values))
 
 
 NO_FIELD = FieldInfo()

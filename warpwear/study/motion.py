@@ -10,7 +10,17 @@ from pydantic import Field, PrivateAttr
 
 from warpwear.laws.fretting import HONEST_MEAN
 from warpwear.laws.track import is_whole
-from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
+from warpwear.study.keys import (
+    Length,
+    LengthOrZero,
+    Section,
+    excludes,
+    key,
+    needs,
+    needs_compliance,
+    refused,
+    when,
+)
 from warpwear.study.units import NOT_NEGATIVE, InUnit, Load, Number, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
@@ -109,10 +119,7 @@ class GridSection(Section):
     def _check(self) -> None:
         for side, least in zip(self.sides, (4, 1 if isinstance(self.extent, tuple) else 4), strict=True):
             if side / self.cell > MOST_CELLS:
-                raise ValueError(
-                    f"grid.cell = {self.cell:g} mm makes more than {MOST_CELLS:,} cells along grid.extent = "
-                    f"{self.size}; larger cells or a smaller extent are needed"
-                )
+                raise refused("many_cells", grid=self, most=MOST_CELLS)
             refuse_parts("grid.extent", side, self.cell, least=least)
 
 
@@ -363,9 +370,7 @@ class Stepping(Section):
     def _check(self) -> None:
         first = self.first or FIRST
         if self.largest is not None and first > self.largest:
-            raise ValueError(
-                f"stepping.first = {first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
-            )
+            raise refused("first_increment", first=first, largest=self.largest)
 
     def plan(
         self, distance: float, *, cycle: float | None = None, sticks: bool = False

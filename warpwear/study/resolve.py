@@ -6,6 +6,7 @@ from typing import Any
 
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
+from warpwear.study.keys import refused
 from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
 from warpwear.study.rules import check
 from warpwear.study.units import LineLoad
@@ -46,12 +47,12 @@ def _sliding_of_blocks(study: Content) -> Sliding:
     """Return [sliding] with the distance and the pass that blocks make together: raises ValueError."""
     for name in LENGTHS:
         if getattr(study.sliding, name) is not None:
-            raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
+            raise refused("lengths_of_blocks", name=name)
     if not study.block:
-        raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
+        raise refused("no_block")
     first = study.parts[0]
     if len(study.block) > MOST_BLOCKS:
-        raise ValueError(f"block: a programme of {len(study.block):,} blocks; allowed are {MOST_BLOCKS:,}")
+        raise refused("many_blocks", count=len(study.block), most=MOST_BLOCKS)
     for number, part in study.telling_parts:
         try:
             check(part)
@@ -62,20 +63,14 @@ def _sliding_of_blocks(study: Content) -> Sliding:
             raise ValueError(f"block {number}: {here}") from error
         moves = [(one.is_swept, one.sliding.track_radius is None) for one in (part, first)]
         if any(swept for swept, _ in moves) and moves[0] != moves[1]:
-            raise ValueError(
-                f"block {number}: it does not move as block 1 does; allowed are blocks of strokes alone, of "
-                "a track_radius alone, or at rest alone"
-            )
+            raise refused("unlike_blocks", number=number)
     _circles(study)
     laps = {block.lap for block in study.blocks}
     for block, after in pairwise(study.blocks):
         turns = block.lap != after.lap and not study.circles  # another stroke begins where the last one began
         if first.is_swept and not is_whole(block.length / (block.lap or 1.0) / (2 if turns else 1)):
-            raise ValueError(
-                f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
-                f"{'pairs of ' if turns else ''}passes of {block.lap:g} mm, after which alone another "
-                f"{'stroke' if turns else 'block'} may follow on a track"
-            )
+            other = "stroke" if turns else "block"
+            raise refused("part_of_a_pass", block=block, pairs="pairs of " * turns, other=other)
     follows = {"distance": study.blocks[-1].end}
     if study.sliding.lap is None or (first.is_swept and len(laps) == 1):  # what all blocks have in common
         ways = {name: getattr(first.sliding, name) for name in WAYS}
@@ -90,7 +85,4 @@ def _circles(study: Content) -> None:
     wide = study.grid.sides[1]
     for radius, other in pairwise(sorted(study.circles)):
         if study.is_line or other - radius < wide * (1.0 - WHOLE):
-            raise ValueError(
-                f"block: tracks of {radius:g} and {other:g} mm radius would overlap: allowed are one "
-                f"track_radius, or {wide:g} mm (grid.extent) between, and a counter-body that ends across"
-            )
+            raise refused("close_circles", radius=radius, other=other, wide=wide)

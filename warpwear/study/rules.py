@@ -12,7 +12,7 @@ from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
 from warpwear.study import rules_track
 from warpwear.study.content import Content
-from warpwear.study.keys import attribute_of, check_keys
+from warpwear.study.keys import attribute_of, check_keys, refused
 from warpwear.study.motion import refuse_parts
 from warpwear.study.units import LineLoad
 
@@ -26,8 +26,6 @@ CELLS, LARGEST = 4.0, 0.25
 FEWEST_ACROSS = 4
 #: By what a load may exceed what all cells carry, relatively: rounding does so.
 ROUNDING = 1.0e-12
-#: What is allowed instead of a contact that ends across.
-A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
 
 
 def check(study: Content) -> None:
@@ -63,16 +61,10 @@ def _fatigue(study: Content) -> None:
         return
     ratio = fatigue.torsion / fatigue.bending
     if not LEAST_TORSION <= ratio <= 1.0:
-        raise ValueError(
-            f"fatigue.torsion = {fatigue.torsion:g} MPa is {ratio:.3g} of fatigue.bending; allowed is "
-            f"{LEAST_TORSION:.3g} to 1 of it"
-        )
+        raise refused("torsion", fatigue=fatigue, ratio=ratio, least=LEAST_TORSION)
     side = min(study.grid.sides[: 1 if study.is_line else 2])
     if fatigue.length > side:
-        raise ValueError(
-            f"fatigue.length = {1e3 * fatigue.length:g} µm is longer than the domain, {1e3 * side:g} µm; "
-            "allowed is a length within it"
-        )
+        raise refused("fatigue_length", length=1e3 * fatigue.length, side=1e3 * side)
 
 
 def _fretting(study: Content) -> None:
@@ -81,22 +73,16 @@ def _fretting(study: Content) -> None:
     if study.fretting is None:
         return
     if limit == 0.0:
-        raise ValueError("friction.coefficient = 0 dissipates nothing: fretting needs more than 0")
+        raise refused("no_friction")
     if sliding.force is not None and sliding.force >= limit:
-        raise ValueError(
-            f"sliding.force = {sliding.force:g} N is not less than friction.coefficient × contact.load = "
-            f"{limit:g} N: the whole contact would slip, without end; allowed are less, or a sliding.stroke"
-        )
+        raise refused("force", sliding=sliding, limit=limit)
     if sliding.drives_bodies:
         return
     stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
     if stroke > study.grid.cell:
         refuse_parts("sliding.stroke", stroke, study.grid.cell)
     if disc is None or disc.kind != "flat":
-        raise ValueError(
-            "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': a rough contact changes from "
-            "place to place; allowed is 'cells'"
-        )
+        raise refused("rough_fretting")
 
 
 def _line(study: Content) -> None:
@@ -106,15 +92,9 @@ def _line(study: Content) -> None:
         return
     load = study.contact.load
     if isinstance(load, LineLoad):
-        raise ValueError(
-            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact "
-            f"has: allowed is a force, such as '8 N', or {A_LINE}"
-        )
+        raise refused("load_of_a_length", load=load)
     if study.cells.ny < FEWEST_ACROSS:
-        raise ValueError(
-            f"grid.extent = {grid.size} is {study.cells.ny} × {1e3 * grid.cell:g} µm wide: allowed "
-            f"are {FEWEST_ACROSS} or more, or {A_LINE}"
-        )
+        raise refused("few_across", study=study, cell=1e3 * grid.cell, fewest=FEWEST_ACROSS)
 
 
 def _boundary(study: Content) -> None:
@@ -122,13 +102,9 @@ def _boundary(study: Content) -> None:
     form, elastic = study.counter.form, study.contact.law == "half-space"
     both_ways = study.repeats and not form.is_flat and all(form.rises)
     if both_ways or (elastic and study.boundary == "line" and form.rises[1]):
-        raise ValueError(
-            f"contact.boundary = '{study.boundary}' would repeat the counter-body beside itself: allowed are "
-            "'free', a flat, counter.radius = 'inf mm', and of 'line' a cylinder"
-        )
+        raise refused("repeated_counter", study=study)
     if "flow" in study.output.joint and study.boundary != "periodic":
-        what = f"contact.boundary = 'periodic', not '{study.boundary}': the gap must repeat"
-        raise ValueError(f"output.joint = flow needs {what}")
+        raise refused("flow", study=study)
 
 
 def _shape(study: Content) -> None:
@@ -136,11 +112,7 @@ def _shape(study: Content) -> None:
     counter, extent = study.counter, min(study.grid.sides)
     width = 2.0 * counter.form.reach
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
-        raise ValueError(
-            f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
-            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} "
-            "must hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
-        )
+        raise refused("pin", counter=counter, width=width, study=study)
 
 
 def _factors(study: Content) -> None:
@@ -149,9 +121,7 @@ def _factors(study: Content) -> None:
     beside = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
     factors = study.friction.law_with().factors if growth or study.pair.wears_by_area else ()
     for key in (factor.keys[0] for factor in factors if growth or factor is not RUNNING_IN):
-        raise ValueError(
-            f"friction.{key} does not go with {beside}, which does not follow it; allowed is none"
-        )
+        raise refused("factor", key=key, beside=beside)
 
 
 def _junction_growth(study: Content) -> None:
@@ -160,10 +130,9 @@ def _junction_growth(study: Content) -> None:
     for key in ("friction.shear_strength", "friction.film.shear_strength"):
         strength = attribute_of(study, key) or 0.0
         if not study.friction.largest_coefficient and growth and strength * math.sqrt(growth) >= hardness:
-            raise ValueError(
-                f"{key} = {strength:g} MPa with friction.junction_growth = {growth:g} leaves cells of "
-                f"{hardness:g} MPa hardness no pressure to bear: allowed are less than H/√α = "
-                f"{hardness / math.sqrt(growth):.4g} MPa"
+            most = hardness / math.sqrt(growth)
+            raise refused(
+                "grown_shear", key=key, strength=strength, growth=growth, hardness=hardness, most=most
             )
 
 
@@ -175,16 +144,11 @@ def _pieces(study: Content) -> None:
     named = f"wear.particle = {diameter(study, pieces)}"
     if not study.grid.cell <= pieces.diameter * (1.0 + 1.0e-9):
         enough = um(pieces.diameter / CELLS)
-        raise ValueError(f"{named} is smaller than a cell; a grid.cell of {enough} or less is needed")
+        raise refused("small_pieces", named=named, enough=enough)
     if pieces.diameter > LARGEST * min(study.grid.sides):
-        raise ValueError(
-            f"{named} must be at most a quarter of grid.extent = {study.grid.size}; allowed are "
-            "smaller pieces, or a larger extent"
-        )
+        raise refused("large_pieces", named=named, study=study)
     if pieces.thickness > pieces.diameter:
-        raise ValueError(
-            f"wear.particle_thickness = {um(pieces.thickness)} must not exceed {named}: a piece is a flake"
-        )
+        raise refused("thick_pieces", thickness=um(pieces.thickness), named=named)
 
 
 def diameter(study: Content, pieces: Pieces) -> str:
@@ -200,41 +164,29 @@ def um(length: float) -> str:
 
 def _hardness(study: Content) -> None:
     if study.study.model != "macro" and study.contact.hardness is None and study.pair.softer_hardness is None:
-        raise ValueError(
-            "contact.hardness, or the hardness or material of the counter-body or the disc, must be given "
-            "('inf MPa' is none)"
-        )
+        raise refused("no_hardness")
     hardness = study.pair.softer_hardness if study.contact.hardness is None else study.contact.hardness
     if hardness is None or not math.isfinite(hardness):
         for named in without_unit(study):
-            raise ValueError(
-                f"{named} is k of V = k F L / H and needs a finite contact.hardness; or give it with a unit, "
-                "such as '9.4e-4 mm^3/N/m'"
-            )
+            raise refused("k_without_hardness", named=named)
 
 
 def _over_pressure(study: Content) -> None:
     """Refuse a K over the pressure that programs do not follow."""
     counter, disc = study.wear_laws
     if study.study.model == "two-scale" and counter.over_pressure[0] and not counter.in_proportion_to(disc):
-        raise ValueError(
-            f"wear.law = '{counter.name}' with study.model = 'two-scale' needs coefficients of both bodies "
-            "in one proportion under every pressure; allowed are such"
-        )
+        raise refused("unlike_proportions", counter=counter)
     for body, law in zip(BODIES, study.wear_laws, strict=True):
         pressures, values = law.over_pressure
         named = f"wear.{body} = {getattr(study.wear, body).value:g} with wear.law = '{law.name}'"
         if pressures and pressures[0] < 0.0:
-            raise ValueError(f"{named} begins to change at {pressures[0]:g} MPa; allowed is 0 MPa or more")
+            raise refused("early_change", named=named, pressure=pressures[0])
         if values and values[0] == 0.0 < law.fastest:
-            raise ValueError(f"{named} wears under some pressures alone; allowed is more than 0, or 0 at all")
+            raise refused("severe_alone", named=named)
         if law.rates().min() < 0.0:
-            raise ValueError(
-                f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; "
-                "allowed is a p K that does not fall: a K that falls less, or over a wider range of pressures"
-            )
+            raise refused("falling_wear", named=named, pressure=pressures[0])
     if len(knots_of(study.wear_laws)) > MOST_KNOTS:
-        raise ValueError(f"wear.law = '{counter.name}' has K at too many pressures; allowed are {MOST_KNOTS}")
+        raise refused("many_pressures", counter=counter, most=MOST_KNOTS)
 
 
 def without_unit(study: Content) -> Iterator[str]:
@@ -258,11 +210,7 @@ def _capacity(study: Content) -> None:
     carried = least * present * cells.cell_area
     if carried * (1.0 + ROUNDING) < load:
         of_length = f" ({study.loads})" if study.is_line else ""
-        raise ValueError(
-            f"contact.load = {load:g} N{of_length} is more than the domain under the "
-            f"counter-body carries at this hardness ({carried:.6g} N{_of_sheared(study)}); allowed are "
-            "smaller loads, a larger counter-body, grid.extent or contact.hardness"
-        )
+        raise refused("capacity", load=load, of_length=of_length, carried=carried, sheared=_of_sheared(study))
 
 
 def _of_sheared(study: Content) -> str:
@@ -275,20 +223,13 @@ def _of_sheared(study: Content) -> str:
 
 def _tolerance(study: Content) -> None:
     if study.uses_bearing_area and study.load_tolerance >= study.contact.load:
-        raise ValueError(
-            f"stepping.load_tolerance = {study.load_tolerance:g} N (one cell carries "
-            f"{study.hardness * study.cells.cell_area:g} N) must be smaller than contact.load = "
-            f"{study.contact.load:g} N"
-        )
+        raise refused("load_tolerance", study=study, one_cell=study.hardness * study.cells.cell_area)
 
 
 def _stability(study: Content) -> None:
     beyond = unstable(study)
     if beyond is not None and not study.stepping.force:
-        raise ValueError(
-            f"{beyond}; allowed are smaller increments, stepping.scheme = 'implicit', or "
-            "stepping.force = true"
-        )
+        raise refused("unstable", beyond=beyond)
 
 
 def longest_step(study: Content) -> tuple[float, float]:
@@ -332,10 +273,7 @@ def _steps(study: Content) -> None:
         steps = total / first
     if steps > MOST_STEPS:
         larger = "sliding.shift or grid.cell" if study.is_swept else f"stepping.{_largest(study)}"
-        raise ValueError(
-            f"sliding.distance = {total:g} mm takes {steps:.3g} steps; allowed are {MOST_STEPS:,}, so a "
-            f"larger {larger} is needed"
-        )
+        raise refused("many_steps", total=total, steps=steps, most=MOST_STEPS, larger=larger)
 
 
 def _largest(study: Content) -> str:

@@ -8,6 +8,7 @@ from warpwear.laws.archard import BODIES
 from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE
 from warpwear.study.content import Content
+from warpwear.study.keys import refused
 from warpwear.study.motion import refuse_parts
 from warpwear.study.sections.layers import LayerSection
 
@@ -32,10 +33,7 @@ def check(study: Content) -> None:
         named = f"sliding.track_radius = {sliding.track_radius:g} mm (a track of {lap:.4g} mm)"
     if not study.is_swept:
         if sliding.kinematics is None and study.fretting is None:
-            raise ValueError(
-                f"{named}: in the {study.study.model} model the disc lies still; allowed are study.model = "
-                "'micro', in which the counter-body slides, and sliding.kinematics = 'stationary'"
-            )
+            raise refused("still_disc", named=named, study=study)
         return
     if sliding.track != "full":
         length = float(sliding.track)
@@ -43,23 +41,15 @@ def check(study: Content) -> None:
         steps = f"steps of sliding.shift = {study.shift} cells, {1e3 * step:g} µm"
         refuse_parts("sliding.track", length, step, of=steps)
         if length > lap * (1.0 + WHOLE):
-            raise ValueError(
-                f"sliding.track = {length:g} mm is longer than {named}: allowed are shorter ones, or 'full'"
-            )
+            raise refused("long_track", length=length, named=named)
     elif sliding.track_radius is None:
         refuse_parts("sliding.stroke", lap, cell)
     track = study.track
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
-        raise ValueError(
-            f"{whose} is shorter than grid.extent = {study.grid.size}: the counter-body would lie on the "
-            "same cells twice; allowed are a longer track and a smaller grid.extent"
-        )
+        raise refused("short_track", whose=whose, study=study)
     if track.cells < study.shift:
-        raise ValueError(
-            f"sliding.shift = {study.shift} cells of {1e3 * cell:g} µm is longer than {named}; a smaller "
-            "sliding.shift is needed"
-        )
+        raise refused("long_shift", study=study, cell=1e3 * cell, named=named)
 
 
 def check_patches(study: Content) -> None:
@@ -69,22 +59,12 @@ def check_patches(study: Content) -> None:
     refuse_parts("patches.width", patches.patch_width, cell)
     named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
     if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
-        raise ValueError(
-            f"patches.width = {1e3 * patches.patch_width:g} µm is larger than {named}: patches would "
-            "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
-            "patches.macro_cell"
-        )
+        raise refused("wide_patch", width=1e3 * patches.patch_width, named=named)
     extent, across = study.grid.sides
     if extent != across:
-        raise ValueError(
-            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its "
-            "macro cells; allowed is one length"
-        )
+        raise refused("oblong_patches", study=study)
     if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
-        raise ValueError(
-            f"{named} is larger than the contact's domain allows: grid.extent = {extent:g} mm "
-            "must hold two macro cells or more"
-        )
+        raise refused("macro_cell", named=named, extent=extent)
     refuse_parts("grid.extent", extent, patches.macro_cell, of=f"cells of {named}")
 
 
@@ -109,16 +89,12 @@ def check_layers(study: Content) -> None:
         own, last = (law.steady, section.hardness), profile.materials[-1]
         if not all(map(math.isclose, (last.wear, last.hardness), own) if graded else (last.wear == own[0],)):
             numbers = " and ".join(f"{number:g}" for number in section.gradient[-1][1:])
-            raise ValueError(
-                f"{body}.gradient ends in {numbers}: allowed in wear.{body} and {body}.hardness, of the body "
-                "below it, are the same"
-            )
+            raise refused("gradient_end", body=body, numbers=numbers)
     how = "patches" if study.study.model == "two-scale" else study.kinematics
     how += " by slips of each cell" * study.sliding.drives_bodies
     if study.pair.profiles is not None and (how, study.contact.law) not in FOLLOWED:
-        raise ValueError(
-            f"layers and gradients: steps of contact.law = '{study.contact.law}', {how}, do not follow them; "
-            f"allowed are {' or '.join(map(', '.join, FOLLOWED)) or 'none'}"
+        raise refused(
+            "unfollowed_layers", study=study, how=how, allowed=" or ".join(map(", ".join, FOLLOWED)) or "none"
         )
 
 
@@ -127,23 +103,17 @@ def _check_layer(study: Content, named: str, layer: LayerSection) -> None:
     if layer.hardness is not None:
         _check_hardness(study, f"{named}.hardness")
     if layer.wear.per_energy != (study.wear.law == "energy"):
-        raise ValueError(
-            f"{named}.wear = '{layer.wear.write()}' does not go with wear.law = '{study.wear.law}', whose "
-            f"unit is {study.wear.unit}"
-        )
+        raise refused("layer_wear", named=named, wear=layer.wear.write(), study=study)
     for key in (key for key in ("shear_strength", "coefficient") if getattr(layer, key) is not None):
         if friction.shear_strength is None:
-            raise ValueError(f"{named}.{key} needs friction.shear_strength, that of the bodies themselves")
+            raise refused("layer_shear", named=named, key=key)
         if friction.initial_ratio is not None:
-            raise ValueError(f"{named}.{key} does not go with friction.initial_ratio; allowed is one of them")
+            raise refused("layer_running_in", named=named, key=key)
 
 
 def _check_hardness(study: Content, named: str) -> None:
     if study.contact.hardness is not None or study.study.model == "macro":
-        raise ValueError(
-            f"{named} does not go with contact.hardness, which is of all cells, nor with the macro model, "
-            "which has no other; allowed is one of them"
-        )
+        raise refused("layer_hardness", named=named)
 
 
 def worn_patch(study: Content) -> float:

@@ -20,7 +20,7 @@ NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
 
 class Study(Content):
-    """A study is its sections of keys (see `warpwear.study.content`), each number in mm, N, MPa or s.
+    """A study is its sections of keys (see `warpwear.study.movement`), each number in mm, N, MPa or s.
 
     Make one with `Study.load(path_or_preset)` or from sections: `Study(counter={"radius": "3 mm"}, ...)`.
     A study is frozen, and `replace` gives a changed copy.

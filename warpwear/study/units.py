@@ -13,34 +13,15 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from warpwear import lazy
+from warpwear.errors import prose
 
 pint = lazy.module("pint")
 
+_TABLE = prose("units")
 #: What to write in a message about a unit of each kind.
-EXAMPLES = {
-    "mm": "a length such as '1.5 mm'",
-    "um": "a height such as '0.5 um'",
-    "mm^2": "an area such as '1.254 mm^2'",
-    "mm^3": "a volume such as '0.018 mm^3'",
-    "N": "a force such as '8 N'",
-    "N*mm": "a torque such as '30 N*mm'",
-    "MPa": "a pressure such as '590 MPa'",
-    "N/mm^3": "a foundation stiffness such as '2e5 N/mm^3'",
-    "mm/s": "a speed such as '20 mm/min' (of revolutions: sliding.frequency = '60 rpm')",
-    "s": "a time such as '2 min'",
-    "deg": "an angle such as '90 deg'",
-    "Hz": "a frequency such as '1 Hz'",
-    "mm^3/N/m": "a wear coefficient such as '9.4e-4 mm^3/N/m'",
-    "mm^3/J": "a wear volume of an energy such as '2e-5 mm^3/J'",
-    "1/mm": "an inverse length such as '0.1 1/m'",
-    "mm/N": "a compliance such as '0.05 um/N'",
-    "N/mm": "an energy of an area such as '2 J/m^2'",
-    "MB": "a memory such as '256 MB'",
-    "W/m/K": "a thermal conductivity such as '16 W/m/K'",
-    "J/kg/K": "a heat capacity such as '500 J/kg/K'",
-    "kg/m^3": "a density such as '7800 kg/m^3'",
-    "ohm*m": "a resistivity such as '7.2e-7 ohm*m'",
-}
+EXAMPLES: dict[str, str] = {unit: about["example"] for unit, about in _TABLE.items()}
+#: Factors of units as they are mostly written.
+FACTORS: dict[str, dict[str, float]] = {unit: about.get("factors", {}) for unit, about in _TABLE.items()}
 
 
 # One number, then units of letters; digits in a unit are exponents. Not left to a parser of expressions,
@@ -50,21 +31,6 @@ _NUMBER_AND_UNIT = re.compile(
     r"(?:\s+1(?=/))?\s*(?P<unit>/?\s*(?:[^\W\d_]|[²³])+"
     r"(?:(?:\s*(?:\^|\*\*)\s*-?\d)|[^\W\d_]|(?<=[^\W\d_])[23]|[⁻¹²³\s()*/·⋅])*)?\s*"
 )
-#: Factors of units as they are mostly written, to the last bit those of pint, which takes long to load.
-FACTORS = {
-    "mm": {"mm": 1.0, "um": 1.0e-3, "µm": 1.0e-3, "m": 1.0e3},
-    "N": {"N": 1.0, "mN": 1.0e-3},
-    "MPa": {"MPa": 1.0, "GPa": 1.0e3},
-    "mm/N": {"mm/N": 1.0, "um/N": 1.0e-3, "µm/N": 1.0e-3},
-    "N/mm^3": {"N/mm^3": 1.0},
-    "mm/s": {"mm/s": 1.0, "mm/min": 1.0 / 60.0},
-    "s": {"s": 1.0, "min": 60.0},
-    "deg": {"deg": 1.0},
-    "mm^3/N/m": {"mm^3/N/m": 1.0},
-    "N/mm": {"N/mm": 1.0, "J/m^2": 1.0e-3},
-    "MB": {"MB": 1.0, "GB": 1.0e3},
-    **{unit: {unit: 1.0} for unit in ("W/m/K", "J/kg/K", "kg/m^3", "ohm*m")},
-}
 #: Most characters of a quantity: more are read as none.
 LONGEST_TEXT = 200
 #: A hardness number of a standard, with the load of the test after its name or not: "200 HV10".

@@ -10,6 +10,7 @@ import numpy as np
 from warpwear.batches.plan import Plan
 from warpwear.ensembles.ensemble import Ensemble, Group
 from warpwear.ensembles.figures import OVERLAID, chart_of, figure_of
+from warpwear.errors import prose
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Bars, Chart, Figure, HeatMap, Line, Look
 from warpwear.figures.wording import power_of_ten
@@ -17,7 +18,6 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
 from warpwear.measured.experiment import Experiment
 from warpwear.results.ensemble import in_legend, is_label
-from warpwear.results.formats.forms import prose
 from warpwear.sweeps.table import SweepResult, SweepRow
 
 #: Numbers with a power of ten.

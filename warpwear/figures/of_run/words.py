@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from warpwear.errors import prose
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.figures.wording import listed
 from warpwear.history.distances import with_unit
-from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
 #: What declares a figure of a run, and what says something of it.

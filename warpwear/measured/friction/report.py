@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.errors import prose
 from warpwear.grid import FloatArray
 from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import FEWEST, LEAST, PENALTY, Steady, line_with_error
 from warpwear.measured.friction.states import states_rows, states_text
-from warpwear.results.formats.forms import filled, prose
+from warpwear.results.formats.forms import filled
 from warpwear.results.report import Row, aligned, shown
 from warpwear.results.report import record as record_of
 

@@ -1,9 +1,7 @@
-"""Read the sentences of `templates/`, and fill its forms: pages, paragraphs, LaTeX, XML of other software."""
+"""Fill the forms of `templates/`: pages, paragraphs, LaTeX, XML of other software."""
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
@@ -39,9 +37,3 @@ def _expression(text: str) -> Any:
 def holds(condition: str, **content: Any) -> bool:
     """Tell whether a condition holds, an expression as forms have it. content: name in it -> value."""
     return bool(_expression(condition)(**content))
-
-
-def prose(name: str) -> dict[str, Any]:
-    """Read the sentences of a file of `templates/`."""
-    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)

@@ -8,7 +8,18 @@ from typing import Annotated, Any, Literal
 
 from warpwear.laws.film import Film
 from warpwear.laws.friction import FRICTION_LAWS, KEYS, LAP, FrictionLaw
-from warpwear.study.keys import Demand, Length, Pressure, Section, attribute_of, excludes, key, needs, when
+from warpwear.study.keys import (
+    Demand,
+    Length,
+    Pressure,
+    Section,
+    attribute_of,
+    excludes,
+    key,
+    needs,
+    refused,
+    when,
+)
 from warpwear.study.units import InUnit, Number, Range
 
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
@@ -190,10 +201,7 @@ class Friction(Section):
 
     def _check(self) -> None:
         if self.fitted in ("end", "initial") and self.coefficient <= self.ploughing:
-            raise ValueError(
-                f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
-                f"{self.ploughing:g}"
-            )
+            raise refused("ploughing", friction=self)
 
 
 class Junctions(Section):

@@ -12,7 +12,7 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import AfterValidator, BeforeValidator
 
 from warpwear.laws.depth_profile import SUBSTRATE, DepthProfile, LayerMaterial
-from warpwear.study.keys import Hardness, Length, Pressure, Section, excludes, key, needs, when
+from warpwear.study.keys import Hardness, Length, Pressure, Section, excludes, key, needs, refused, when
 from warpwear.study.sections.friction import NOT_CONTACT
 from warpwear.study.sections.wear import BY_AREA, ArchardCoefficient, WearCoefficient
 from warpwear.study.units import Number, Range
@@ -37,9 +37,7 @@ LAYERED = (
 
 def _name(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z0-9_]{1,40}", value) or value == SUBSTRATE:
-        raise ValueError(
-            f"allowed are up to 40 letters, digits and _, and not '{SUBSTRATE}', the body itself"
-        )
+        raise refused("layer_name", substrate=SUBSTRATE)
     return value
 
 
@@ -63,10 +61,7 @@ class LayerSection(Section):
         if self.shear_strength is not None and self.coefficient is not None:
             raise ValueError(f"layer '{self.name}': shear_strength and coefficient exclude each other")
         if self.wear.dimensionless or self.wear.value == 0.0:
-            raise ValueError(
-                f"layer '{self.name}': wear = {self.wear.write()!r} must be above 0, with a unit, such as "
-                "'2e-7 mm^3/N/m': no k of V = k F L / H, as layers have a hardness each"
-            )
+            raise refused("wear_of_a_layer", layer=self, wear=self.wear.write())
 
 
 def _rows(value: Any) -> Any:
@@ -96,10 +91,7 @@ def _graded(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...
     alike = len({len(row) for row in rows}) == 1 and len(rows[0]) in (2, 3)
     finite = all(0.0 <= number < 1.0e30 for row in rows for number in row)
     if not (2 <= len(rows) <= MOST_ROWS and alike and rise and finite and rows[0][1] > 0.0):
-        raise ValueError(
-            f"needs 2 to {MOST_ROWS} rows of a depth in µm, rising from 0, K in mm^3/N/m (mm^3/J by the "
-            "energy law), above 0 at the surface, and a hardness in MPa or none"
-        )
+        raise refused("gradient", most=MOST_ROWS)
     return rows
 
 

@@ -11,7 +11,7 @@ from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, WearLaw
 from warpwear.laws.pieces import Pieces
-from warpwear.study.keys import Length, Pressure, Section, excludes, key, needs, when
+from warpwear.study.keys import Length, Pressure, Section, excludes, key, needs, refused, when
 from warpwear.study.sections.friction import NOT_CONTACT, UNCHANGED, Friction
 from warpwear.study.units import NOT_NEGATIVE, InUnit, Number, Range, parse, text
 
@@ -246,7 +246,4 @@ class Wear(Section):
         for name in sorted(COEFFICIENTS):
             value, other = getattr(self, name), "the energy of friction" if self.law == "energy" else "load"
             if value and value.value and value.per_energy != (self.law == "energy"):
-                raise ValueError(
-                    f"wear.{name} = '{value.write()}' does not go with wear.law = '{self.law}', which wears "
-                    f"by {other}: its unit is {self.unit}"
-                )
+                raise refused("unit_of_wear", name=name, value=value.write(), wear=self, other=other)
