@@ -74,7 +74,7 @@ class FrictionFit(ShearFit):
     def doubts(self) -> tuple[str, ...]:
         """Sentences that say why not to trust the fit; none where nothing speaks against it."""
         together = self.length > OTHER_SHAPE * self.last and self.points >= 20 and self.rms > ROUNDING
-        text = filled("doubts.txt", escape=False, fit=self, poor=POOR, together=together)
+        text = filled("fit.txt", escape=False, fit=self, poor=POOR, together=together)
         return tuple(text.splitlines())
 
 
