@@ -7,6 +7,7 @@ import os
 import pkgutil
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import wraps
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,6 +24,7 @@ from warpwear import kernels, lazy
 from warpwear.engine import executor as execution
 from warpwear.engine.device import find_device
 from warpwear.engine.kernel_cache import begin_to_load
+from warpwear.engine.workers import Here
 
 process, style = lazy.module("warpwear.figures.process"), lazy.module("warpwear.figures.style")
 
@@ -58,6 +60,24 @@ def compile_kernels(number: int, count: int) -> None:
     modules = [wp.get_module(importlib.import_module(name).__name__) for name in files]
     for module in [module for module in modules if module.kernels][number::count]:
         begin_to_load(module, device)()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_process() -> Iterator[None]:
+    """Have the test's own process draw the figures of runs and make the runs of designs.
+
+    Another would first import all, for seconds. Tests of other processes start them themselves, or unwrap.
+    """
+    start = process.Painter.__init__
+
+    @wraps(start)
+    def draw_here(painter: Any, cores: int, **how: Any) -> None:
+        start(painter, 0, **how)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(process.Painter, "__init__", draw_here)
+        patch.setattr("warpwear.batches.batch.local_workers", lambda *_, **__: Here())
+        yield
 
 
 @pytest.fixture(params=["cpu", "cuda:0"])
@@ -147,13 +167,12 @@ BLANK = base64.b64decode(
 def quick_pictures() -> Callable[..., AbstractContextManager[None]]:
     """A context for tests that ask which pictures there are and not how they look: they have few dots.
 
-    Those of a run are drawn in its own process: a second one takes long to start, and is there only for
-    second_process. blank: figures are made, but not laid out and drawn: each PNG file is a white dot.
+    blank: figures are made, but not laid out and drawn: each PNG file is a white dot.
     """
 
     @contextmanager
-    def quick(*, blank: bool = False, second_process: bool = False) -> Iterator[None]:
-        start, write = process.Painter.__init__, style.bytes_of
+    def quick(*, blank: bool = False) -> Iterator[None]:
+        write = style.bytes_of
 
         def few_dots(figure: Any, file_format: str = "png", **_: Any) -> bytes:
             if blank and file_format == "png":
@@ -163,8 +182,6 @@ def quick_pictures() -> Callable[..., AbstractContextManager[None]]:
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("warpwear.figures.style.bytes_of", few_dots)
-            if not second_process:
-                patch.setattr(process.Painter, "__init__", lambda painter, cores: start(painter, 0))
             yield
 
     return quick

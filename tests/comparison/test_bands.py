@@ -39,7 +39,7 @@ def test_runs_that_differ_in_a_seed_are_one_line_with_a_band(
 ) -> None:
     """And one column: mean ± standard deviation of them."""
     out = tmp_path / "out"
-    with quick_pictures():
+    with quick_pictures(blank=True):
         done = warpwear_compare(
             *(swept, "--band-over", "disc.synthetic.seed", "--experiment", measured, "--out", out)
         )

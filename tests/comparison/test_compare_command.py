@@ -21,7 +21,7 @@ OF_SCARS = "scar", "groove"
 
 def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path, quick_pictures: Any) -> None:
     out = tmp_path / "new" / "out"
-    with quick_pictures():
+    with quick_pictures(blank=True):
         done = warpwear_compare(runs / "a", "--experiment", measured, "--out", out)
     assert done.exit_code == 0, done.output
     assert sorted(path.name for path in out.iterdir()) == sorted(

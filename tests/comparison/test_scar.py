@@ -104,7 +104,7 @@ def test_a_scar_on_a_track(tmp_path: Path, quick_pictures: Any) -> None:
     np.save(tmp_path / "after.npy", seen(field, lost.shape) - lost + noise[0])
     np.save(tmp_path / "before.npy", seen(field, lost.shape, shift=(0.02, -0.03), angle=0.02) + noise[1])
     files = ("--scar", str(tmp_path / "after.npy"), "--before", str(tmp_path / "before.npy"))
-    with quick_pictures():
+    with quick_pictures(blank=True):
         done = warpwear_compare(tmp_path, *files, "--pixel", "20 um")
     assert done.exit_code == 0, done.output
     found = json.loads((tmp_path / "out/comparison.json").read_text(encoding="utf-8"))["scar"]

@@ -269,7 +269,12 @@ def worn_as_expected(kind: str, factor: str, shape: tuple[int, int]) -> referenc
 
 
 @pytest.mark.parametrize(("kind", "factor"), WORN)
-@pytest.mark.parametrize("shape", [(64, 64), (61, 75)], ids=str)
+@pytest.mark.parametrize(
+    ("shape", "threads"),
+    [((64, 64), 1), ((61, 75), 2)],
+    indirect=["threads"],
+    ids=["64 x 64, 1 thread", "61 x 75, 2 threads"],
+)
 def test_worn_run_equals_reference(
     kind: str, factor: str, shape: tuple[int, int], device: str, threads: int
 ) -> None:

@@ -1,5 +1,6 @@
 """Figures that a second process draws while a run goes on: the same pictures, and all, whatever happens."""
 
+import inspect
 import subprocess
 import sys
 from collections.abc import Callable
@@ -47,7 +48,7 @@ def study_of(kind: str) -> Study:
 @pytest.fixture
 def two_cores(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """A run that has a core for another process, wherever the tests run; asked again, with options."""
-    start = process.Painter.__init__
+    start = inspect.unwrap(process.Painter.__init__)
 
     def ask(**how: Any) -> None:
         painter = lambda self, cores: start(self, cores and CORES, **how)  # noqa: E731
@@ -105,7 +106,7 @@ def test_figures_are_there_whatever_happens_to_the_other_process(
         serves = "from warpwear.engine.workers import serve; serve()"
         two_cores(command=("-c", f"{broken}; {serves}"))
     with (
-        quick_pictures(blank=True, second_process=True),
+        quick_pictures(blank=True),
         warpwear.run(study_of("static"), out=tmp_path / "run") as result,
     ):
         assert set(figures_in(tmp_path / "run")) == set(result.plot.names("essential"))
@@ -143,7 +144,7 @@ def test_no_snapshot_is_read_back(
 
     watch(ResultFile, "snapshot", note)
     two_cores(command=("-c", "import sys; sys.stdin.read(100)"))
-    with quick_pictures(blank=True, second_process=True):
+    with quick_pictures(blank=True):
         result = warpwear.run(study_of("rough"), out=tmp_path / "run", plots="all")
     assert not missed
     assert not result.at_hand  # memory is given back

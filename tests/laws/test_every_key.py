@@ -306,7 +306,7 @@ def test_a_key_is_no_unknown_that_nothing_follows_from(pair: Pair, tmp_path: Pat
     if needs_runs(study, pair.key, scaled=True):
         assert pair.key.removeprefix("friction.") not in FITTED or study.friction.law == "coulomb"
         return
-    runs = make_runs(study, (unknown,), samples=None, seed=0, out=tmp_path, device="cpu")
+    runs = make_runs(study, (unknown,), samples=8, seed=0, out=tmp_path, device="cpu")
     model = ForwardModel(study, (unknown,), runs)
     values = {pair.key: unknown.values(np.array([-1.0, 1.0]))}
     cof = model.cof(values | {"friction.shear_strength": np.array([4.0, 4.0])} | values, np.array([3.0, 5.0]))

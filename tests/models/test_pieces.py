@@ -97,7 +97,7 @@ def test_what_is_worn_and_what_is_pending_are_archards_volume_at_every_step(
 @pytest.mark.parametrize("law", ["half-space", "local"])
 def test_dust_alone_is_archards_wear_at_every_shift(shift: int, law: str) -> None:
     """Nothing is pending then: the dust is averaged along a step, and the step divided, as without pieces."""
-    changes = {"sliding__shift": shift, "sliding__distance": "3 mm", "contact__law": law}
+    changes = {"sliding__shift": shift, "sliding__distance": "1.5 mm", "contact__law": law}
     dust = warpwear.run(study_of("track", wear__dust_fraction=1.0, **changes)).history
     names = ("particle", "particle_thickness", "dust_fraction", "pending_start")
     plain = {name: value for name, value in SMALL.items() if name.removeprefix("wear.") not in names}

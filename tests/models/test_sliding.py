@@ -121,7 +121,12 @@ def fields_of(contact: SlidingContact, executor: Executor) -> dict[str, FloatArr
     return {name: executor.to_numpy(v).copy() for name, v in contact.state.fields.items()}
 
 
-@pytest.mark.parametrize("periodic", [True, False], ids=["periodic", "track"])
+@pytest.mark.parametrize(
+    ("periodic", "threads"),
+    [(True, 1), (False, 2)],
+    indirect=["threads"],
+    ids=["periodic, 1 thread", "track, 2 threads"],
+)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("make", SURFACES)
 def test_a_displaced_contact_is_that_of_every_cell(

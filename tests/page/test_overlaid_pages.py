@@ -126,7 +126,7 @@ def test_indices_of_a_sampled_design(tmp_path: Path) -> None:
 def test_a_heat_map_has_its_values_in_place(tmp_path: Path, quick_pictures: Any) -> None:
     vary = {"contact.load": ["4 N", "8 N"], "contact.hardness": ["400 MPa", "590 MPa", "800 MPa"]}
     study = Study.load("v3-fine").replace(SMALL | {"sliding.distance": "0 mm", "output.snapshots": []})
-    with quick_pictures(), ThreadPoolExecutor(1) as pool:
+    with quick_pictures(blank=True), ThreadPoolExecutor(1) as pool:
         found = warpwear.sweep(study, vary=vary, out=tmp_path / "grid", executor=pool)
     grid = next(p for p in plots_of(check_page(tmp_path / "grid/sweep.html")[0]) if p["kind"] == "grid")
     assert (grid["across"], grid["down"]) == (["4", "8"], ["400", "590", "800"])

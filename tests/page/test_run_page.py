@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import html
+import inspect
 import json
 import re
 import zlib
@@ -245,7 +246,7 @@ def test_no_plots_no_page_and_an_old_one_goes(tmp_path: Path, quick_pictures: An
 @pytest.mark.slow
 def test_a_second_process_makes_the_same_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """But for the pictures' compression, which is alike too."""
-    start, pages = process.Painter.__init__, []
+    start, pages = inspect.unwrap(process.Painter.__init__), []
     for cores in (1, 2):
         with monkeypatch.context() as patched:
             patched.setattr(process.Painter, "__init__", lambda self, n, c=cores: start(self, n and c))

@@ -4,7 +4,9 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,12 +41,20 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.fixture
+def blank(quick_pictures: Any) -> Iterator[None]:
+    """Nobody looks at the pictures."""
+    with quick_pictures(blank=True):
+        yield
+
+
 def invoke(*arguments: str) -> None:
     with pytest.raises(SystemExit) as end:
         main([*arguments])
     assert end.value.code == 0, arguments
 
 
+@pytest.mark.usefixtures("blank")
 def test_every_command_takes_them(place: Path) -> None:
     invoke("run", "s.toml", "--out", ODD, "--overwrite")
     invoke("run", f"{ODD}/study.toml", "--out", "again", "--no-plots", "--set", "contact.load=3 N")

@@ -27,7 +27,7 @@ from warpwear.sweeps.table import SweepResult
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory: pytest.TempPathFactory, quick_pictures: Any) -> Any:
     out = tmp_path_factory.mktemp("swept") / "s"
-    with quick_pictures():
+    with quick_pictures(blank=True):
         return warpwear.sweep(small(), vary=VARY, band_over="disc.synthetic.seed", out=out, executor=Here())
 
 

@@ -16,10 +16,9 @@ from warpwear.engine.workers import Here
 
 
 @pytest.fixture
-def work_here(monkeypatch: pytest.MonkeyPatch, quick_pictures: Any) -> Iterator[None]:
-    """Let the workers of a command be this process, which has imported all; pictures have few dots."""
-    monkeypatch.setattr("warpwear.batches.batch.local_workers", lambda *_, **__: Here())
-    with quick_pictures():
+def few_dots(quick_pictures: Any) -> Iterator[None]:
+    """Have pictures drawn in few dots."""
+    with quick_pictures(blank=True):
         yield
 
 
@@ -42,7 +41,7 @@ def test_failed_run_is_a_row_with_its_sentence_and_a_warning() -> None:
         found.open(1)
 
 
-@pytest.mark.usefixtures("work_here")
+@pytest.mark.usefixtures("few_dots")
 def test_a_command_of_which_runs_failed_ends_with_1(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -83,7 +82,7 @@ def test_a_sweep_from_python_tells_the_log_how_far_it_is(caplog: pytest.LogCaptu
     assert repr(found) == "<sweep over contact.load: 2 of 2 runs done>"
 
 
-@pytest.mark.usefixtures("work_here")
+@pytest.mark.usefixtures("few_dots")
 def test_a_sweep_in_a_log_tells_how_far_it_is(
     tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

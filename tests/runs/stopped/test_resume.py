@@ -97,8 +97,12 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
     assert any(steps_of("bearing area", heights, increments, k)[0] != rows for k in range(1, 12))
 
 
+#: The last is long; stresses at rest and programmes on tracks are stopped, too.
+SLOW = (*COVERED, "programme, swept, stresses")
+
+
 @pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] if c in COVERED else []) for c in CASES]
+    "case", [pytest.param(c, marks=[pytest.mark.slow] if c in SLOW else []) for c in CASES]
 )
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path, cores: int) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""

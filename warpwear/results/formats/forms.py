@@ -17,15 +17,21 @@ def filled(
 
     form: name of its file. filters: name in the form -> function. content: name in the form -> value.
     """
-    environment = jinja2.Environment(
+    environment = _environment(form, escape)
+    environment.filters.update(filters)
+    return environment.get_template(form).render(content)
+
+
+@cache
+def _environment(form: str, escape: bool) -> Any:
+    """Keep what a form is compiled into, which takes longer than filling it; its filters are its own."""
+    return jinja2.Environment(
         loader=jinja2.PackageLoader("warpwear", "templates"),
         autoescape=escape,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(filters)
-    return environment.get_template(form).render(content)
 
 
 @cache
