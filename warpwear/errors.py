@@ -23,12 +23,12 @@ def in_python(text: str) -> str:
 
 
 def prose(name: str) -> dict[str, Any]:
-    """Read the sentences of a file of `templates/`."""
-    return tomllib.loads((Path(__file__).parent / "templates" / f"{name}.toml").read_text(encoding="utf-8"))
+    """Read the sentences of a file of `templates/sentences/`."""
+    return tomllib.loads((Path(__file__).parent / "templates/sentences" / f"{name}.toml").read_text("utf-8"))
 
 
 def sentences(name: str) -> Callable[..., str]:
-    """Return what fills in a sentence of a file of `templates/`, by its name, with values by its fields."""
+    """Return what fills in a sentence of such a file, by its name, with values by its fields."""
     texts = prose(name)
 
     def say(sentence: str, /, **values: Any) -> str:

@@ -30,7 +30,7 @@ SENTENCES = [
     ("docs/validation/ball-on-plate.md", "but not where along a section", "It says nothing of where"),
     ("docs/how-to/before-and-after.md", "single ones that lie apart do not", "that have worn alone"),
     (
-        "warpwear/templates/trust.txt",
+        "warpwear/templates/texts/trust.txt",
         "The contact covers {{",
         "How much the mesh",
     ),

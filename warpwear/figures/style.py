@@ -30,7 +30,7 @@ COLOURS: dict[str, Any] = {
 FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 #: What Matplotlib is set to; its own form of such settings.
-SHEET = Path(__file__).parents[1] / "templates" / "paper.mplstyle"
+SHEET = Path(__file__).parents[1] / "templates" / "formats" / "paper.mplstyle"
 STYLE = matplotlib.rc_params_from_file(SHEET, use_default_template=False)
 #: Compression of PNG: more makes files a quarter smaller, and takes a third of a figure's time.
 COMPRESSION = {"compress_level": 1}

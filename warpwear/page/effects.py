@@ -1,6 +1,6 @@
 """What another value of each assumed key would change, as far as a run, a formula or docs/limits.md knows it.
 
-The sentences stand in templates/effects.toml; here are the run's own numbers, and what is decided by them.
+The sentences stand in templates/sentences/effects.toml; here are the run's own numbers, and what they decide.
 """
 
 import math

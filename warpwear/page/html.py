@@ -26,7 +26,7 @@ DPI = 160
 #: The plotting library: plotly.js 4.1.1 as PyPI's plotly 7.1.0 has it, by gzip -9 -n.
 PLOTLY = "plotly.min.js.gz"
 #: Scripts and styles beside this wing.
-TEMPLATES = Path(__file__).parent.parent / "templates"
+PAGES = Path(__file__).parents[1] / "templates" / "pages"
 #: Colours of a scale that the page's script interpolates.
 SHADES = 12
 
@@ -87,7 +87,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     drawn = [{k: v for k, v in plot.items() if k not in ("picture", "caption", "static")} for plot in plots]
     places = np.linspace(0.0, 1.0, SHADES)
     scales = {name: [to_hex(colours(p)) for p in places] for name, colours in style.COLOURS.items()}
-    script, plotly = (TEMPLATES / "plots.js").read_text(encoding="utf-8"), (TEMPLATES / PLOTLY).read_bytes()
+    script, plotly = (PAGES / "plots.js").read_text(encoding="utf-8"), (PAGES / PLOTLY).read_bytes()
     data = json.dumps({"plots": drawn, "scales": scales}, default=_plain).encode()
     text = render(
         template,

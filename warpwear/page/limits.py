@@ -1,6 +1,7 @@
 """What the model of a run cannot show: the sentences of docs/theory/limits.md that apply to it.
 
-The sentences stand in templates/limits.toml; their conditions, and those of effects.toml, in conditions.toml.
+The sentences stand in templates/sentences/limits.toml; their conditions, and those of effects.toml, in
+conditions.toml beside them.
 """
 
 import math

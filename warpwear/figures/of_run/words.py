@@ -1,7 +1,8 @@
 """What is said of figures: when a run has no such figure, and why; and what their captions say of a run.
 
-Each reason is a test of the run; its sentence for people stands in templates/reasons.toml. Captions are
-templates, the starts of the docstrings of functions that declare figures; their fields are filled in here.
+Each reason is a test of the run; its sentence for people stands in templates/sentences/reasons.toml.
+Captions are templates, the starts of the docstrings of functions that declare figures; their fields are
+filled in here.
 """
 
 import inspect
@@ -130,7 +131,7 @@ OF_ANY_RUN |= {"outline": "ellipse", "plane": "y = 0"}
 def figure(*hidden_if: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
     """Enter a function among the figures of a run; the start of its docstring is the caption.
 
-    others: of `DeclaredFigure`; a section is one of templates/sections.toml.
+    others: of `DeclaredFigure`; a section is one of templates/sentences/sections.toml.
     """
 
     def enter(declare: Declare) -> Declare:

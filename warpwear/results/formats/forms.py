@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from warpwear import lazy
 
 jinja2 = lazy.module("jinja2")
+
+TEMPLATES, KINDS = Path(__file__).parents[2] / "templates", ("pages", "texts", "formats")
 
 
 def filled(
@@ -26,7 +29,7 @@ def filled(
 def _environment(form: str, escape: bool) -> Any:
     """Keep what a form is compiled into, which takes longer than filling it; its filters are its own."""
     return jinja2.Environment(
-        loader=jinja2.PackageLoader("warpwear", "templates"),
+        loader=jinja2.FileSystemLoader([TEMPLATES / kind for kind in KINDS]),
         autoescape=escape,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
