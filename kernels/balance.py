@@ -11,13 +11,24 @@ An approach is base + offset: one ulp of 0.07 mm changes the load of a worn cont
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
+from warpwear.kernels.cells import (
+    ABSENT,
+    LANES,
+    LISTED,
+    NONE,
+    ONE,
+    TILE_VECTORS,
+    ZERO,
+    Cells,
+    TileSums,
+    fields,
+)
 from warpwear.kernels.contact import Bends, Law, bent_pressure_of, pressure_of
 from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
 from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, TileLists, kept_of, limit_of, list_from, reached
 
-wp.set_module_options(native_code.options("springs.h", "tiles.h"))
+native_pass = native_code.passes_of(__name__, "springs.h", "tiles.h")
 
 #: Searches on springs, each from a base nearer the solution.
 ROUNDS = wp.constant(wp.int32(3))
@@ -242,19 +253,10 @@ def begin(springs: Springs, lowest: wp.float64, softest: wp.float64):
         start_search(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
 
 
-@native_code.native_pass("carry")
-def carried(
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    springs: Springs,
-    gap: wp.array2d(dtype=Cells),
-    stiffness: wp.array2d(dtype=Cells),
-    cap_ratio: wp.array2d(dtype=Cells),
-):
-    """Add up pressures at the trial and stiffnesses of cells between open and cap; find how far they are so.
-
-    stiffness, cap_ratio: of every cell, or no rows where the search has one, and all bear the cap.
-    """
+#: Add up pressures at the trial and stiffnesses of cells between open and cap; find how far they are so.
+#:
+#: stiffness, cap_ratio: of every cell, or no rows where the search has one, and all bear the cap.
+carried = native_pass("carry", **LISTED, springs=Springs, **fields("gap", "stiffness", "cap_ratio"))
 
 
 @wp.func

@@ -13,13 +13,13 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import BalanceSearch, Springs, ask_for, start_search
-from warpwear.kernels.cells import NONE, ZERO, Cells
+from warpwear.kernels.cells import LISTED, NONE, ZERO, fields
 from warpwear.kernels.contact import Law
 from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
 from warpwear.kernels.tiles import TWO, Listing, reached
 
-wp.set_module_options(native_code.options("springs.h"))
+native_pass = native_code.passes_of(__name__, "springs.h")
 
 #: Gaps that differ by less are tied [mm]: a picometre-thousandth, below anything a surface has.
 TIE = wp.constant(wp.float64(1.0e-12))
@@ -241,18 +241,10 @@ def begin(springs: Springs, lowest: wp.float64):
         start_search(springs, lowest, area_between(springs, lowest, ZERO))
 
 
-@native_code.native_pass("count_level")
-def counted_below(
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    springs: Springs,
-    gap: wp.array2d(dtype=Cells),
-    cap_ratio: wp.array2d(dtype=Cells),
-):
-    """Count cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
-
-    Those inside the bracket are gathered; the lowest and the highest gap are found.
-    """
+#: Count cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
+#:
+#: Those inside the bracket are gathered; the lowest and the highest gap are found.
+counted_below = native_pass("count_level", **LISTED, springs=Springs, **fields("gap", "cap_ratio"))
 
 
 @wp.kernel

@@ -7,6 +7,7 @@ touch.
 """
 
 from enum import IntEnum
+from typing import Any
 
 import warp as wp
 
@@ -14,6 +15,9 @@ from warpwear.grid import VECTOR_CELLS
 
 LANES = VECTOR_CELLS
 Cells = wp.types.vector(LANES, wp.float64)
+#: What passes take: a field, a table of partial results, and which tiles of a row are listed, and how many.
+FIELD, TABLE = wp.array2d(dtype=Cells), wp.array2d(dtype=wp.float64)
+LISTED = {"tiles": wp.array2d(dtype=wp.int32), "count": wp.array(dtype=wp.int32)}
 
 #: Gap of a place where there is no surface (padding, beyond the counter-body's edge) [mm].
 PADDING = 1.0e30
@@ -198,6 +202,15 @@ class Sources:
     largest_shear: wp.float64  # of cells over their pressure and the bodies' strength [1/MPa]
     disc_rows: wp.int32  # rows of a disc that may be displaced; 0 of none
     stiffens: wp.int32  # 1 where the stiffness of every cell is made with the others
+
+
+#: What cells of a contact have, for passes: what it follows from, and what it is.
+OF_CELLS = {"sources": Sources, "cells": CellProperties}
+
+
+def fields(*names: str) -> dict[str, Any]:
+    """Return the types of fields that a pass takes, by their names."""
+    return dict.fromkeys(names, FIELD)
 
 
 @wp.func

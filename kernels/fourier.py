@@ -4,30 +4,37 @@ The C++ is in `native/fourier.h`, which says how modes lie. Kernels of transform
 precision, by kind of number.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import Cells
-from warpwear.kernels.native_code import native_pass
+from warpwear.kernels.cells import FIELD, TABLE
 
 #: Whole registers, where compilers take half of each: a fifth less time.
 FLAGS = "-march=native -mprefer-vector-width=512"
-wp.set_module_options(native_code.options("transforms.h", "fourier.h") | {"cpu_compiler_flags": FLAGS})
+native_pass = native_code.passes_of(__name__, "transforms.h", "fourier.h", cpu_compiler_flags=FLAGS)
 
 #: Lines that are transformed together, by type of number: as many as fill 64 bytes.
 LINES = {np.float32: 16, np.float64: 8}
 
 
-def of_both(function: str) -> Callable[[Callable[..., None]], dict[Any, Any]]:
-    """Make kernels as `native_pass` does, with arrays of either type of number wherever any will do.
+#: Numbers of a line, of double precision.
+LINE = wp.array(dtype=wp.float64)
+
+
+def of_both(function: str, **of: Any) -> dict[Any, Any]:
+    """Make a pass for either kind of number; a type that is a number stands for an array of such dimensions.
 
     Each has a name of its own: overloads of one kernel are one and the same for a recording on a CPU.
     """
-    return lambda declared: {kind: native_pass(function, kind=kind)(declared) for kind in LINES}
+    passes = {}
+    for kind in LINES:
+        real = wp.dtype_from_numpy(kind)
+        arrays = {n: wp.array(dtype=real, ndim=one) for n, one in of.items() if isinstance(one, int)}
+        passes[kind] = native_pass(function, name=f"{function}_{kind.__name__}", **(of | arrays))
+    return passes
 
 
 @wp.struct
@@ -52,86 +59,25 @@ class FourierPlan:
     turns_across: wp.int32  # where the factors of columns begin
 
 
-@of_both("forward_rows")
-def forward(
-    plan: FourierPlan,
-    turns_in: wp.array(dtype=Any),
-    field_in: wp.array2d(dtype=Cells),
-    scratch_out: wp.array2d(dtype=Any),
-    spectrum_out: wp.array3d(dtype=Any),
-):
-    """Compute modes of rows. turns: cosines and sines, first of what parts modes of rows, then of stages."""
-
-
-@of_both("across_columns")
-def across(
-    plan: FourierPlan,
-    turns_in: wp.array(dtype=Any),
-    table_in: wp.array3d(dtype=Any),
-    line_in: wp.array(dtype=wp.float64),
-    scratch_out: wp.array2d(dtype=Any),
-    spectrum_out: wp.array3d(dtype=Any),
-):
-    """Multiply the modes of all columns by the table and the line of each row, in place."""
-
-
-@of_both("across_pairs")
-def across_pair(
-    plan: FourierPlan,
-    turns_in: wp.array(dtype=Any),
-    table_in: wp.array4d(dtype=Any),
-    signs_in: wp.array(dtype=wp.float64),
-    scratch_out: wp.array2d(dtype=Any),
-    spectrum_out: wp.array3d(dtype=Any),
-):
-    """Multiply the modes of all columns of two fields by a symmetric matrix of tables, in place."""
-
-
-@of_both("back_rows")
-def back(
-    plan: FourierPlan,
-    turns_in: wp.array(dtype=Any),
-    scratch_out: wp.array2d(dtype=Any),
-    spectrum_in: wp.array3d(dtype=Any),
-    field_out: wp.array2d(dtype=Cells),
-):
-    """Compute the cells of the rows from their modes."""
-
-
-@of_both("convolve_grids")
-def convolve(
-    plan: FourierPlan,
-    turns_in: wp.array(dtype=Any),
-    table_in: wp.array3d(dtype=Any),
-    line_in: wp.array(dtype=wp.float64),
-    field_in: wp.array2d(dtype=Cells),
-    scratch_out: wp.array2d(dtype=Any),
-    spectrum_out: wp.array3d(dtype=Any),
-    field_out: wp.array2d(dtype=Cells),
-):
-    """Forward, across and back for one grid after another, each while it is in the cache."""
-
-
-@of_both("pad_rows")
-def pad(grids: FourierPlan, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
-    """Copy cells of grids into padded ones, whose padding stays zero."""
-
-
-@of_both("crop_rows")
-def crop(grids: FourierPlan, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
-    """Copy the fields out of their padding."""
-
-
-@of_both("multiply_modes")
-def multiply(
-    grids: FourierPlan,
-    table_in: wp.array2d(dtype=wp.float64),
-    line_in: wp.array(dtype=wp.float64),
-    modes: wp.array3d(dtype=Any),
-):
-    """Multiply, or divide, modes by the table and the line of their row, in place."""
-
-
-@of_both("multiply_pairs")
-def multiply_pair(grids: FourierPlan, table_in: wp.array3d(dtype=wp.float64), modes: wp.array3d(dtype=Any)):
-    """Multiply modes of two grids by a symmetric matrix of tables, in place."""
+#: What transforms take: their plan, and cosines and sines, first of what parts modes of rows, then of stages.
+TRANSFORM = {"plan": FourierPlan, "turns": 1}
+#: Compute modes of rows.
+forward = of_both("forward_rows", **TRANSFORM, field=FIELD, scratch=2, spectrum=3)
+#: Multiply the modes of all columns by the table and the line of each row, in place.
+across = of_both("across_columns", **TRANSFORM, table=3, line=LINE, scratch=2, spectrum=3)
+#: Multiply the modes of all columns of two fields by a symmetric matrix of tables, in place.
+across_pair = of_both("across_pairs", **TRANSFORM, table=4, signs=LINE, scratch=2, spectrum=3)
+#: Compute the cells of the rows from their modes.
+back = of_both("back_rows", **TRANSFORM, scratch=2, spectrum=3, field=FIELD)
+#: Forward, across and back for one grid after another, each while it is in the cache.
+convolve = of_both(
+    "convolve_grids", **TRANSFORM, table=3, line=LINE, field_in=FIELD, scratch=2, spectrum=3, field_out=FIELD
+)
+#: Copy cells of grids into padded ones, whose padding stays zero.
+pad = of_both("pad_rows", grids=FourierPlan, field=FIELD, padded=3)
+#: Copy the fields out of their padding.
+crop = of_both("crop_rows", grids=FourierPlan, padded=3, field=FIELD)
+#: Multiply, or divide, modes by the table and the line of their row, in place.
+multiply = of_both("multiply_modes", grids=FourierPlan, table=TABLE, line=LINE, modes=3)
+#: Multiply modes of two grids by a symmetric matrix of tables, in place.
+multiply_pair = of_both("multiply_pairs", grids=FourierPlan, table=wp.array3d(dtype=wp.float64), modes=3)

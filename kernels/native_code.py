@@ -7,7 +7,7 @@ structs of a module come after them, and text of the module: a header that chang
 import inspect
 import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,16 @@ def options(*headers: str) -> dict[str, Any]:
     return {"enable_backward": False, "extra_build_options": build}
 
 
+def passes_of(name: str, *headers: str, **more: Any) -> Callable[..., Any]:
+    """Return what makes passes of a module of Warp's, see `native_pass`, whose options are those of headers.
+
+    more: other options.
+    """
+    module = wp.get_module(name)
+    wp.set_module_options(options(*headers) | more, module=module)
+    return partial(native_pass, module)
+
+
 @cache
 def together(kernels: tuple[Any, ...]) -> dict[Any, Any]:
     """Copy kernels into a module of their own, which pays for Warp's headers once; return the copy of each.
@@ -56,54 +66,34 @@ def together(kernels: tuple[Any, ...]) -> dict[Any, Any]:
     return copies
 
 
-def native_pass(function: str, *, module: Any = None, kind: Any = None) -> Any:
-    """Make a kernel that calls a C++ function of the headers for each of its slots.
+def native_pass(module: Any, function: str, *, name: str = "", **arguments: Any) -> Any:
+    """Make a kernel of a module that calls a C++ function of its headers for each of its slots.
 
-    What is decorated declares the arguments of the function after its slot and the number of slots. Before
-    them the kernel takes the first and the end of a range of slots, and their number: on a CPU one call of it
-    does a range, so that its arguments are read once. module: of Warp, that it is compiled with. kind: of
-    number in arrays of any; it ends the kernel's name.
+    arguments: types of those after the slot and the number of slots, by name. Before them the kernel takes
+    the first and the end of a range of slots, and their number: on a CPU one call of it does a range, so that
+    its arguments are read once. name: of the kernel, by default that of the function.
     """
+    name = name or re.sub(r"\W", "_", function)
+    types = dict.fromkeys(("first", "end", "slots"), wp.int32) | arguments
+    call = f"{function}(slot, {', '.join([*types][2:])});"
 
-    def kernel_of(declared: Callable[..., None]) -> Any:
-        name, of = declared.__name__, inspect.get_annotations(declared)
-        if kind is not None:
-            name, real = f"{name}_{kind.__name__}", wp.dtype_from_numpy(kind)
-            any_kind = {key: one for key, one in of.items() if getattr(one, "dtype", None) is Any}
-            of |= {key: wp.array(dtype=real, ndim=one.ndim) for key, one in any_kind.items()}
-        types = dict.fromkeys(("first", "end", "slots"), wp.int32) | of
-        names = [*types]
-        call = f"{function}(slot, {', '.join(names[2:])});"
+    def slots_of_range() -> None: ...
 
-        def slots_of_range() -> None: ...
+    def kernel() -> Any:
+        return native  # where Warp looks up the name
 
-        def kernel() -> Any:
-            return native  # where Warp looks up the name
-
-        for stub in (slots_of_range, kernel):
-            stub.__name__ = stub.__qualname__ = name
-            stub.__module__, stub.__doc__, stub.__annotations__ = declared.__module__, declared.__doc__, types
-            stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-                [inspect.Parameter(key, inspect.Parameter.POSITIONAL_OR_KEYWORD) for key in names]
-            )
-        native = wp.func_native(f"EACH_SLOT {call}")(slots_of_range)
-        place = "first + wp.tid() // wp.block_dim()"
-        source = f"def {name}({', '.join(names)}):\n    native({place}, {', '.join(names[1:])})"
-        whole = wp.Kernel(kernel, module=module, source=source)
-        RANGED.add(whole)
-        return whole
-
-    return kernel_of
-
-
-def pass_over(kind: Any, function: str, *, module: Any = None) -> Any:
-    """Make a kernel as `native_pass` does, of a function whose one argument is a struct of a kind."""
-
-    def declared() -> None: ...
-
-    declared.__name__, declared.__module__ = re.sub(r"\W", "_", function), kind.__module__
-    declared.__annotations__ = {"over": kind}
-    return native_pass(function, module=module)(declared)
+    for stub in (slots_of_range, kernel):
+        stub.__name__ = stub.__qualname__ = name
+        stub.__module__, stub.__annotations__ = module.name, types
+        stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+            [inspect.Parameter(key, inspect.Parameter.POSITIONAL_OR_KEYWORD) for key in types]
+        )
+    native = wp.func_native(f"EACH_SLOT {call}")(slots_of_range)
+    place = "first + wp.tid() // wp.block_dim()"
+    source = f"def {name}({', '.join(types)}):\n    native({place}, {', '.join([*types][1:])})"
+    whole = wp.Kernel(kernel, module=module, source=source)
+    RANGED.add(whole)
+    return whole
 
 
 @cache

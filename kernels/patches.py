@@ -10,9 +10,8 @@ above the patch's approach are skipped.
 
 import warp as wp
 
-from warpwear.kernels.cells import CellProperties, Cells, Layout
-from warpwear.kernels.native_code import native_pass
-from warpwear.kernels.two_scale.curves import TOGETHER, Curves
+from warpwear.kernels.cells import FIELD, CellProperties, Cells, Layout
+from warpwear.kernels.two_scale.curves import Curves, native_pass
 from warpwear.kernels.two_scale.steps import Books, Courses, Steps
 
 
@@ -30,30 +29,18 @@ class Surfaces:
     trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
 
 
-@native_pass("carry_patch", module=TOGETHER)
-def carried(steps: Steps, curves: Curves, surfaces: Surfaces):
-    """Add up what the cells of every patch carry at its trial approach, and give its `Curves.answer`.
-
-    As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
-    pressure is a straight line.
-    """
-
-
-@native_pass("press_patch", module=TOGETHER)
-def pressures(steps: Steps, curves: Curves, surfaces: Surfaces, pressure_out: wp.array2d(dtype=Cells)):
-    """Lay the pressure field of solved approaches."""
-
-
-@native_pass("wear_patch", module=TOGETHER)
-def wear(steps: Steps, curves: Curves, courses: Courses, surfaces: Surfaces, books: Books):
-    """Wear the cells in place: the gap opens by K p ΔL of both bodies; evaluate them for the next step.
-
-    Sums and maxima are those of the step and of each patch. A tile above the largest approach that its patch
-    has had was never touched; every other one is visited, so that the sums of what was touched and worn are
-    those of the whole patch.
-    """
-
-
-@native_pass("worn_of_patch", module=TOGETHER)
-def worn(surfaces: Surfaces, worn_out: wp.array2d(dtype=Cells)):
-    """Lay what both bodies have lost so far: how far the gap has opened."""
+#: Add up what the cells of every patch carry at its trial approach, and give its `Curves.answer`.
+#:
+#: As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
+#: pressure is a straight line.
+carried = native_pass("carry_patch", steps=Steps, curves=Curves, surfaces=Surfaces)
+#: Lay the pressure field of solved approaches.
+pressures = native_pass("press_patch", steps=Steps, curves=Curves, surfaces=Surfaces, pressure_out=FIELD)
+#: Wear the cells in place: the gap opens by K p ΔL of both bodies; evaluate them for the next step.
+#:
+#: Sums and maxima are those of the step and of each patch. A tile above the largest approach that its patch
+#: has had was never touched; every other one is visited, so that the sums of what was touched and worn are
+#: those of the whole patch.
+wear = native_pass("wear_patch", steps=Steps, curves=Curves, courses=Courses, surfaces=Surfaces, books=Books)
+#: Lay what both bodies have lost so far: how far the gap has opened.
+worn = native_pass("worn_of_patch", surfaces=Surfaces, worn_out=FIELD)

@@ -11,10 +11,10 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
-from warpwear.kernels.cells import NONE, CellProperties, Cells, Sources
-from warpwear.kernels.tiles import Listing
+from warpwear.kernels.cells import LISTED, NONE, OF_CELLS, CellProperties, Cells
+from warpwear.kernels.tiles import LISTS
 
-wp.set_module_options(native_code.options("sliding.h"))
+native_pass = native_code.passes_of(__name__, "sliding.h")
 
 #: A list that holds too little reaches deeper by this much at first [mm], by this many times more each time,
 #: and beyond some depth to every tile [mm].
@@ -61,6 +61,10 @@ class Slide:
     approach: wp.float64  # [mm]
     reference: wp.float64  # squares are those of the deviation from it [MPa]
     removal: Removal
+
+
+#: Steps, of which passes read the first.
+SLIDES = wp.array(dtype=Slide)
 
 
 @wp.struct
@@ -121,18 +125,12 @@ class StepTables:
     bearing: wp.array2d(dtype=wp.float64)  # cells' area that bears, where not all that is in contact does
 
 
-@native_code.native_pass("select_tiles")
-def select(
-    lists: wp.array(dtype=Listing),
-    slides: wp.array(dtype=Slide),
-    bounds: Bounds,
-    sources: Sources,
-    cells: CellProperties,
-    bodies: Bodies,
-    list_out: wp.array2d(dtype=wp.int32),
-    count_out: wp.array(dtype=wp.int32),
-):
-    """List, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
+#: A step whose balance is found: the tiles listed, what it is, and its search.
+SOLVED = {**LISTED, "slides": SLIDES, "springs": Springs}
+#: List, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps.
+select = native_pass(
+    "select_tiles", lists=LISTS, slides=SLIDES, bounds=Bounds, **OF_CELLS, bodies=Bodies, **LISTED
+)
 
 
 @wp.func_native("return count_listed(count);")
@@ -141,7 +139,7 @@ def _count_listed(count: wp.array(dtype=wp.int32)) -> wp.int32: ...
 
 @wp.kernel
 def check_list(
-    lists: wp.array(dtype=Listing),
+    lists: LISTS,
     listing: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),
     count: wp.array(dtype=wp.int32),
@@ -164,20 +162,11 @@ def check_list(
         lists[0] = now
 
 
-@native_code.native_pass("wear_tiles")
-def wear_step(
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    springs: Springs,
-    cells: CellProperties,
-    bodies: Bodies,
-    tile_bounds: TileBounds,
-    tables: StepTables,
-):
-    """One increment of wear in place: each body loses K p ΔL.
-
-    What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed the
-    gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the
-    known ones.
-    """
+#: One increment of wear in place: each body loses K p ΔL.
+#:
+#: What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed the
+#: gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the
+#: known ones.
+wear_step = native_pass(
+    "wear_tiles", **SOLVED, cells=CellProperties, bodies=Bodies, tile_bounds=TileBounds, tables=StepTables
+)

@@ -30,6 +30,10 @@ class Listing:
     lists: wp.int32  # made so far
 
 
+#: One list.
+LISTS = wp.array(dtype=Listing)
+
+
 @wp.struct
 class TileLists:
     """Tiles of a gap, and which of them are listed, row by row."""

@@ -11,13 +11,13 @@ import warp as wp
 from warpwear.kernels import balance, native_code
 from warpwear.kernels.balance import BalanceSearch, Springs
 from warpwear.kernels.bearing import area_between, conclude_area, judged_area
-from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
+from warpwear.kernels.cells import FIELD, LISTED, NONE, ONE, ZERO, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
 from warpwear.kernels.foresight import Trend, foreseen_step, learnt
 from warpwear.kernels.newton import LOOKS, STUCK
 from warpwear.kernels.tiles import Listing, list_from, reached
 
-wp.set_module_options(native_code.options("wear.h"))
+native_pass = native_code.passes_of(__name__, "wear.h")
 
 #: Columns of a row of the history before its sums and maxima.
 BALANCE = ("base", "offset", "cap", "residual", "tie_width", "tie_pressure", "evaluations", "reference")
@@ -181,21 +181,19 @@ def judge_area(springs: Springs, steps: RestSteps):
         conclude_area(springs, s, lists, law)
 
 
-@native_code.native_pass("wear_rows")
-def wear_step(
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    law: wp.array(dtype=Law),
-    step: wp.array(dtype=Increment),
-    unworn: wp.array2d(dtype=Cells),
-    rest: wp.array(dtype=TileSums),
-    gap: wp.array2d(dtype=Cells),
-    tables: Tables,
-):
-    """One increment of wear in place: the gap opens by K p ΔL of both bodies.
-
-    rest: sums of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
-    """
+#: One increment of wear in place: the gap opens by K p ΔL of both bodies.
+#:
+#: rest: sums of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
+wear_step = native_pass(
+    "wear_rows",
+    **LISTED,
+    law=wp.array(dtype=Law),
+    step=wp.array(dtype=Increment),
+    unworn=FIELD,
+    rest=wp.array(dtype=TileSums),
+    gap=FIELD,
+    tables=Tables,
+)
 
 
 @wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")

@@ -10,11 +10,11 @@ another. The loops are C++: native/wear_from_pressure.h.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import CellProperties, Cells, Layout, Sources
+from warpwear.kernels.cells import OF_CELLS, TABLE, CellProperties, Cells, Layout, fields
 from warpwear.kernels.contact import Bends
-from warpwear.kernels.sliding import Bodies, RowSums, Slide
+from warpwear.kernels.sliding import SLIDES, Bodies, RowSums
 
-wp.set_module_options(native_code.options("wear_from_pressure.h"))
+native_pass = native_code.passes_of(__name__, "wear_from_pressure.h")
 
 
 @wp.struct
@@ -34,119 +34,49 @@ class Pressed:
     cap: wp.float64  # largest pressure [MPa]
 
 
-@native_code.native_pass("mean_along")
-def means(
-    slides: wp.array(dtype=Slide),
-    field_in: wp.array2d(dtype=Cells),
-    means_out: wp.array2d(dtype=Cells),
-):
-    """Means of a field over the rows that pass over each, `Slide.window` of them; of one row none is made."""
-
-
-@native_code.native_pass("make_gaps")
-def gaps(
-    slides: wp.array(dtype=Slide),
-    bodies: Bodies,
-    sources: Sources,
-    cells: CellProperties,
-    means_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-):
-    """Return the gap that a cell of the displaced disc meets on its way through a step.
-
-    means_in: of the counter-body's wear along that way, instead of the wear at its middle.
-    """
-
-
-@native_code.native_pass("part_of_step")
-def part_of_step(slides: wp.array(dtype=Slide), pressed: Pressed):
-    """Find which part of a step each cell was in contact, where its shear wears it.
-
-    Cells that bear were so all of it; those whose gap at its end is less than what shear wears, for a part.
-    """
-
-
-@native_code.native_pass("wear_by_pressure")
-def wear(
-    slides: wp.array(dtype=Slide),
-    layout: Layout,
-    pressed: Pressed,
-    bodies: Bodies,
-    row_sums: RowSums,
-    sums_out: wp.array2d(dtype=wp.float64),
-    maxima_out: wp.array2d(dtype=wp.float64),
-):
-    """Wear an increment in place: the disc loses K ΔL p, the counter-body K ΔL times the mean that passes it.
-
-    Where the pressure moves with the counter-body it is the other way round. Cells with slips of their own
-    lose more by them, and slip by as much more as they have lost.
-
-    Without a disc all wear is the ball's, whose height is then the gap. A disc that keeps its dents is
-    displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
-    `PressureMost`, over what is visited; those of the disc are left in `row_sums`, a sum a row.
-    """
-
-
-@native_code.native_pass("slip_of_gaps")
-def slip(
-    slides: wp.array(dtype=Slide),
-    gap_in: wp.array2d(dtype=Cells),
-    pressure_in: wp.array2d(dtype=Cells),
-    slips_inout: wp.array2d(dtype=Cells),
-    grown_out: wp.array2d(dtype=Cells),
-):
-    """Return what cells slip in a cycle by their gap beyond the approach, and how much that grew [mm]."""
-
-
-@native_code.native_pass("yields_of_slips")
-def yields(
-    slides: wp.array(dtype=Slide),
-    slips_in: wp.array2d(dtype=Cells),
-    grown_in: wp.array2d(dtype=Cells),
-    yields_out: wp.array2d(dtype=Cells),
-):
-    """Return the compliance that a jump lends cells by their slips at its end [mm/MPa]."""
-
-
-@native_code.native_pass("wearing_pressures")
-def wearing_pressures(
-    bends: Bends,
-    passing: wp.array2d(dtype=Cells),
-    pressure: wp.array2d(dtype=Cells),
-    counter_out: wp.array2d(dtype=Cells),
-    disc_out: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure.
-
-    passing: the pressure that the counter-body sees.
-    """
-
-
-@native_code.native_pass("add_mean")
-def add_mean(
-    window: wp.int32,
-    field_in: wp.array2d(dtype=Cells),
-    to_in: wp.array2d(dtype=Cells),
-    field_out: wp.array2d(dtype=Cells),
-):
-    """Return the mean of a field over a window along x at every cell, added to another field."""
-
-
-@native_code.native_pass("linearise")
-def linearise(
-    bends: Bends,
-    keeps: wp.float64,
-    pressure: wp.array2d(dtype=Cells),
-    last: wp.array2d(dtype=Cells),
-    far: wp.array2d(dtype=Cells),
-    gap: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-    yields_out: wp.array2d(dtype=Cells),
-    off_out: wp.array2d(dtype=wp.float64),
-):
-    """Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
-
-    last: the pressures before, which become the present ones. far: where chords end. keeps:
-    part of the last slope that the next has at least.
-    """
+#: Means of a field over the rows that pass over each, `Slide.window` of them; of one row none is made.
+means = native_pass("mean_along", slides=SLIDES, **fields("field", "means"))
+#: Return the gap that a cell of the displaced disc meets on its way through a step.
+#:
+#: means: of the counter-body's wear along that way, instead of the wear at its middle.
+gaps = native_pass("make_gaps", slides=SLIDES, bodies=Bodies, **OF_CELLS, **fields("means", "gap"))
+#: Find which part of a step each cell was in contact, where its shear wears it.
+#:
+#: Cells that bear were so all of it; those whose gap at its end is less than what shear wears, for a part.
+part_of_step = native_pass("part_of_step", slides=SLIDES, pressed=Pressed)
+#: Wear an increment in place: the disc loses K ΔL p, the counter-body K ΔL times the mean that passes it.
+#:
+#: Where the pressure moves with the counter-body it is the other way round. Cells with slips of their own
+#: lose more by them, and slip by as much more as they have lost.
+#:
+#: Without a disc all wear is the ball's, whose height is then the gap. A disc that keeps its dents is
+#: displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
+#: `PressureMost`, over what is visited; those of the disc are left in `rows`, a sum a row.
+wear = native_pass(
+    "wear_by_pressure",
+    slides=SLIDES,
+    layout=Layout,
+    pressed=Pressed,
+    bodies=Bodies,
+    rows=RowSums,
+    sums=TABLE,
+    maxima=TABLE,
+)
+#: Return what cells slip in a cycle by their gap beyond the approach, and how much that grew [mm].
+slip = native_pass("slip_of_gaps", slides=SLIDES, **fields("gap", "pressure", "slips", "grown"))
+#: Return the compliance that a jump lends cells by their slips at its end [mm/MPa].
+yields = native_pass("yields_of_slips", slides=SLIDES, **fields("slips", "grown", "yields"))
+#: Find the pressures that wear both bodies at the K of a step, where K goes with the pressure.
+#:
+#: passing: the pressure that the counter-body sees.
+wearing_pressures = native_pass(
+    "wearing_pressures", bends=Bends, **fields("passing", "pressure", "counter", "disc"), sums=TABLE
+)
+#: Return the mean of a field over a window along x at every cell, added to another field.
+add_mean = native_pass("add_mean", window=wp.int32, **fields("field", "to", "out"))
+#: Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
+#:
+#: last: the pressures before, which become the present ones. far: where chords end. keeps: the part of the
+#: last slope that the next has at least.
+drawn = fields("pressure", "last", "far", "gap", "gap_out", "yields")
+linearise = native_pass("linearise", bends=Bends, keeps=wp.float64, **drawn, off=TABLE)

@@ -7,8 +7,7 @@ import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.half_space import solve as search
-from warpwear.kernels.half_space.solve import TOGETHER, Fields
-from warpwear.kernels.native_code import pass_over
+from warpwear.kernels.half_space.solve import TOGETHER, Fields, native_pass
 
 #: Levels of a bracket that one pass looks at, as in the header.
 LEVELS = wp.constant(wp.int32(8))
@@ -56,11 +55,11 @@ class Proof:
 
 
 #: Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions.
-extremes = pass_over(Proof, "proof_extremes", module=TOGETHER)
+extremes = native_pass("proof_extremes", proof=Proof)
 #: Sum up what cells below levels of the bracket carry at the cap.
-carried_at = pass_over(Proof, "proof_carried", module=TOGETHER)
+carried_at = native_pass("proof_carried", proof=Proof)
 #: Sum up the bound of the energy at the level that makes it least.
-excess = pass_over(Proof, "proof_gap", module=TOGETHER)
+excess = native_pass("proof_gap", proof=Proof)
 
 
 @wp.kernel(module=TOGETHER)

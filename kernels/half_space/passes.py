@@ -9,66 +9,54 @@ import warp as wp
 from warpwear.kernels import contact
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
-from warpwear.kernels.half_space.solve import OWN, TOGETHER, RowGroup, Solve, Streaks
-from warpwear.kernels.native_code import native_pass, pass_over
+from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve, Streaks, native_pass, own_pass
 
 #: Rows of a slot of `extend` and `gather`.
 ROWS = 16
 
 
 #: Sum up cells, gap − mean and its square of every group; find the lowest gap.
-moments = pass_over(Solve, "moments", module=TOGETHER)
+moments = native_pass("moments", solve=Solve)
 #: Make the trial pressure of springs under the gap, and sum it up as `carried` does.
-springs = pass_over(Solve, "springs", module=TOGETHER)
+springs = native_pass("springs", solve=Solve)
 #: Sum up the trial, shifted and clipped, and the cells between the bounds.
-carried = pass_over(Solve, "carried<false>", module=TOGETHER)
+carried = native_pass("carried<false>", solve=Solve)
 #: Make the trial, shifted and clipped, the pressure.
-take = pass_over(Solve, "carried<true>", module=TOGETHER)
+take = native_pass("carried<true>", solve=Solve)
 #: Bring pressures down to caps that may have fallen.
-bound = pass_over(Solve, "bound", module=OWN)
-
-
-@native_pass("streak", module=OWN)
-def streak(solve: Solve, streaks: Streaks, of_step: wp.bool):
-    """Find what yields of a body that the pressure, or the step, passes along x."""
-
-
-@native_pass("add_streaks", module=OWN)
-def add_streaks(solve: Solve, streaks: Streaks):
-    """Add the mean along x of what yields so to the response."""
-
-
+bound = own_pass("bound", solve=Solve)
+#: Find what yields of a body that the pressure, or the step, passes along x.
+streak = own_pass("streak", solve=Solve, streaks=Streaks, of_step=wp.bool)
+#: Add the mean along x of what yields so to the response.
+add_streaks = own_pass("add_streaks", solve=Solve, streaks=Streaks)
 #: Add what compliances of each cell make of the pressure to its response.
-yield_to_pressure = pass_over(Solve, "yield<false>", module=OWN)
+yield_to_pressure = own_pass("yield<false>", solve=Solve)
 #: Add what compliances of each cell make of the step to its response.
-yield_to_step = pass_over(Solve, "yield<true>", module=OWN)
+yield_to_step = own_pass("yield<true>", solve=Solve)
 #: Give each cell the share in the preconditioner that its compliance leaves it.
-weigh = pass_over(Solve, "weigh", module=OWN)
+weigh = own_pass("weigh", solve=Solve)
 #: Make the gradient of the present pressure from its response.
-gradient = pass_over(Solve, "gradient", module=TOGETHER)
+gradient = native_pass("gradient", solve=Solve)
 #: Go along the step, or take the trial; sum up and bound what that leaves.
-advance = pass_over(Solve, "advance", module=TOGETHER)
+advance = native_pass("advance", solve=Solve)
 #: Give the preconditioner the gradient of the free cells.
-residual = pass_over(Solve, "residual", module=TOGETHER)
+residual = native_pass("residual", solve=Solve)
 #: Count cells between the bounds, and the ends of their lines, in some rows.
-scatter = pass_over(Solve, "scatter", module=TOGETHER)
+scatter = native_pass("scatter", solve=Solve)
 #: Sum up products of descent, gradient, last step and its response.
-products = pass_over(Solve, "products", module=TOGETHER)
+products = native_pass("products", solve=Solve)
 #: Make the trial pressure of a step, and sum it up as `carried` does.
-direction = pass_over(Solve, "direction", module=TOGETHER)
+direction = native_pass("direction", solve=Solve)
 #: Make the feasible step to the trial; sum up its slope and how much room it uses.
-step = pass_over(Solve, "step", module=TOGETHER)
+step = native_pass("step", solve=Solve)
 #: Sum up step × response.
-curvature = pass_over(Solve, "curvature", module=TOGETHER)
+curvature = native_pass("curvature", solve=Solve)
 #: Extend the gradient of the free cells to the others, in the trial, on a CPU. A slot is `ROWS` rows.
-extend = pass_over(Solve, "extend<false>", module=TOGETHER)
+extend = native_pass("extend<false>", solve=Solve)
 #: Add to the free cells what the others give back; the transpose of `extend`, on a CPU.
-gather = pass_over(Solve, "extend<true>", module=TOGETHER)
-
-
-@native_pass("extend_once", module=TOGETHER)
-def extend_once(solve: Solve, number: wp.int32):
-    """On a GPU: make one of the passes 0 and 1, which extend the trial, or 2 to 4, which gather it."""
+gather = native_pass("extend<true>", solve=Solve)
+#: On a GPU: make one of the passes 0 and 1, which extend the trial, or 2 to 4, which gather it.
+extend_once = native_pass("extend_once", solve=Solve, number=wp.int32)
 
 
 @wp.struct
@@ -104,18 +92,18 @@ class ContactReach:
 
 
 #: Copy what a field of the larger grid holds in a window.
-take_window = pass_over(Transfer, "take_window", module=TOGETHER)
+take_window = native_pass("take_window", transfer=Transfer)
 #: Copy a field of a window to where it lies in the larger grid.
-give_window = pass_over(Transfer, "give_window", module=TOGETHER)
+give_window = native_pass("give_window", transfer=Transfer)
 #: Start from the pressure of a place in the last lap, or from where that leads to.
-take_lap = pass_over(Lap, "take_lap", module=TOGETHER)
+take_lap = native_pass("take_lap", lap=Lap)
 #: Keep the pressure of a place instead of that of the lap before the last.
-keep_lap = pass_over(Lap, "keep_lap", module=TOGETHER)
+keep_lap = native_pass("keep_lap", lap=Lap)
 #: Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none.
-restrict = pass_over(Transfer, "restrict_cells", module=TOGETHER)
+restrict = native_pass("restrict_cells", transfer=Transfer)
 #: Give each cell the value of the wide cell that it lies in.
-prolong = pass_over(Transfer, "prolong_cells", module=TOGETHER)
+prolong = native_pass("prolong_cells", transfer=Transfer)
 #: Find the extents of the cells that a contact reaches; the first ones negated.
-extents = pass_over(ContactReach, "extents", module=TOGETHER)
+extents = native_pass("extents", reach=ContactReach)
 #: The gap of unworn bodies, with which searches begin: alone it would compile Warp's headers again.
 unworn_gap = wp.Kernel(contact.gap.func, key="unworn_gap", module=TOGETHER, source=contact.gap.adj.source)

@@ -9,9 +9,9 @@ import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.half_space.solve import CONVERGED, LED_NOWHERE, RUNS
-from warpwear.kernels.native_code import Lines, lane, lines_of_table, options, pass_over
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, passes_of
 
-wp.set_module_options(options("half_space/shear.h"))
+native_pass = passes_of(__name__, "half_space/shear.h")
 
 #: Lines of the table of partial results.
 LINES = 14
@@ -90,23 +90,23 @@ class Shear:
 
 
 #: Take the displacement by the last traction as the start, and the bound along axis 0 as the traction.
-starts = pass_over(Shear, "shear_starts")
+starts = native_pass("shear_starts", shear=Shear)
 #: Sum up the bound, find the largest response to it, and begin with no traction.
-scale = pass_over(Shear, "shear_scale")
+scale = native_pass("shear_scale", shear=Shear)
 #: Sum up how far cells inside their circles have been displaced, and all in contact.
-levels = pass_over(Shear, "shear_levels")
+levels = native_pass("shear_levels", shear=Shear)
 #: Make ties and gradient of the slip; find by how much it breaches the conditions.
-slips = pass_over(Shear, "shear_slips")
+slips = native_pass("shear_slips", shear=Shear)
 #: Make the descent, and sum up its products.
-descends = pass_over(Shear, "shear_descends")
+descends = native_pass("shear_descends", shear=Shear)
 #: Make the way of a step.
-aims = pass_over(Shear, "shear_aims")
+aims = native_pass("shear_aims", shear=Shear)
 #: Sum up the curvature along the way.
-curves = pass_over(Shear, "shear_curves")
+curves = native_pass("shear_curves", shear=Shear)
 #: Go along the way, each cell within its circle.
-goes = pass_over(Shear, "shear_moves<true>")
+goes = native_pass("shear_moves<true>", shear=Shear)
 #: Shift the trial, each cell within its circle.
-shifts = pass_over(Shear, "shear_moves<false>")
+shifts = native_pass("shear_moves<false>", shear=Shear)
 
 
 @wp.func

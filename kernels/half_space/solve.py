@@ -23,10 +23,9 @@ HEADERS = (
     "half_space/windows.h",
     "half_space/certificate.h",
 )
-wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
+native_pass = native_code.passes_of(TOGETHER.name, *HEADERS)
 #: Kernels for caps and compliances that cells have of their own, which few searches ask for.
-OWN = wp.get_module("warpwear.kernels.half_space.own")
-wp.set_module_options(native_code.options("half_space/search.h"), module=OWN)
+own_pass = native_code.passes_of("warpwear.kernels.half_space.own", "half_space/search.h")
 
 #: How a search ended.
 RUNS = wp.constant(wp.int32(0))

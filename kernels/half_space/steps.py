@@ -9,8 +9,7 @@ import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space import solve as search
-from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve
-from warpwear.kernels.native_code import native_pass
+from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve, native_pass
 from warpwear.kernels.newton import HALF
 
 TWO = wp.constant(wp.float64(2.0))
@@ -158,14 +157,10 @@ def go(solve: Solve):
         solve.numbers[0] = drifted(n)
 
 
-@native_pass("open_cells<false>", module=TOGETHER)
-def count_open(solve: Solve, few: ActiveSet):
-    """Count the cells whose place between the bounds is open."""
-
-
-@native_pass("open_cells<true>", module=TOGETHER)
-def list_open(solve: Solve, few: ActiveSet):
-    """List them; the trial becomes the pressure."""
+#: Count the cells whose place between the bounds is open.
+count_open = native_pass("open_cells<false>", solve=Solve, few=ActiveSet)
+#: List them; the trial becomes the pressure.
+list_open = native_pass("open_cells<true>", solve=Solve, few=ActiveSet)
 
 
 @wp.kernel(module=TOGETHER)

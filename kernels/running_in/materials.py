@@ -7,13 +7,12 @@ them its depths are checked. The loops are C++: native/running_in/materials.h.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import Springs
-from warpwear.kernels.cells import CellProperties, Cells, Sources
-from warpwear.kernels.sliding import Slide
+from warpwear.kernels.cells import FIELD, OF_CELLS, TABLE, Sources
+from warpwear.kernels.sliding import SLIDES, SOLVED, Slide
 from warpwear.kernels.wear import total_of
 from warpwear.kernels.wear_from_pressure import Pressed
 
-wp.set_module_options(native_code.options("running_in/materials.h", "wear.h"))
+native_pass = native_code.passes_of(__name__, "running_in/materials.h", "wear.h")
 
 #: Materials of a body that have books of their own, and what is booked of each, in this order.
 BOOKED = 8
@@ -22,28 +21,10 @@ BOOKS = ("cells", "pressure", "lost")
 LINES = 2 * len(BOOKS) * BOOKED + 1
 
 
-@native_code.native_pass("book_materials")
-def book(
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    springs: Springs,
-    sources: Sources,
-    cells: CellProperties,
-    gap: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """Books, of the tiles listed and before they are worn, what each material bears and loses."""
-
-
-@native_code.native_pass("book_pressed")
-def book_pressed(
-    slides: wp.array(dtype=Slide),
-    pressed: Pressed,
-    sources: Sources,
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """Books the same of a stored pressure."""
+#: Books, of the tiles listed and before they are worn, what each material bears and loses.
+book = native_pass("book_materials", **SOLVED, **OF_CELLS, gap=FIELD, sums=TABLE)
+#: Books the same of a stored pressure.
+book_pressed = native_pass("book_pressed", slides=SLIDES, pressed=Pressed, sources=Sources, sums=TABLE)
 
 
 @wp.kernel

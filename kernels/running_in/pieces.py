@@ -14,7 +14,7 @@ from warpwear.kernels.balance import Springs, pressures_at
 from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, CellProperties, Cells
 from warpwear.kernels.sliding import Slide
 
-wp.set_module_options({**native_code.options("law.h", "bodies.h"), "fuse_fp": False})
+native_pass = native_code.passes_of(__name__, "law.h", "bodies.h", fuse_fp=False)
 
 #: Counts of a body: candidates, peaks of a round and those that are cut, rounds in which pieces left, cells
 #: over for the next step and those that were for this one, how far the step is, its pieces, cells due.

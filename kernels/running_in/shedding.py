@@ -7,8 +7,7 @@ then.
 
 import warp as wp
 
-from warpwear.kernels import native_code
-from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
+from warpwear.kernels.cells import NONE, ONE, ZERO, fields
 from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.running_in.pieces import (
     CANDIDATES,
@@ -25,9 +24,10 @@ from warpwear.kernels.running_in.pieces import (
     TAKES,
     Footprint,
     SheddingBody,
+    native_pass,
     row_at,
 )
-from warpwear.kernels.sliding import Slide
+from warpwear.kernels.sliding import SLIDES, Slide
 
 #: All kernels of pieces are compiled together.
 TOGETHER = wp.get_module("warpwear.kernels.running_in.pieces")
@@ -253,15 +253,10 @@ def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: She
         body.sums[cell] = ZERO
 
 
-@native_code.native_pass("total_body", module=TOGETHER)
-def total_rows(
-    slides: wp.array(dtype=Slide),
-    footprint: Footprint,
-    body: SheddingBody,
-    wear_in: wp.array2d(dtype=Cells),
-    pending_in: wp.array2d(dtype=Cells),
-):
-    """Sum up the rows that a step may have changed: under the contact, or all where pieces had overflowed."""
+#: Sum up the rows that a step may have changed: under the contact, or all where pieces had overflowed.
+total_rows = native_pass(
+    "total_body", slides=SLIDES, footprint=Footprint, body=SheddingBody, **fields("wear", "pending")
+)
 
 
 @wp.kernel(module=TOGETHER)

@@ -11,7 +11,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import ZERO
 
-wp.set_module_options(native_code.options("patches.h"))
+native_pass = native_code.passes_of(__name__, "patches.h")
 
 #: All kernels of a step are compiled together.
 TOGETHER = wp.get_module(__name__)

@@ -21,7 +21,7 @@ TEXTS = {path: path.read_text(encoding="utf-8") for path in sorted(FOLDER.rglob(
 KERNELS = [
     kernel
     for path, text in TEXTS.items()
-    if "@wp.kernel" in text or "native_pass(" in text
+    if "@wp.kernel" in text or "_pass(" in text or "of_both(" in text
     for kernel in vars(importlib.import_module(named(path))).values()
     if isinstance(kernel, wp.Kernel)
 ]
