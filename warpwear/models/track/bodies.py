@@ -39,23 +39,18 @@ class SlidingBodies:
         return {name: getattr(self, name) for name in self.FIELDS}
 
     @classmethod
-    def of(
-        cls, task: ContactTask, executor: Executor, disc: FloatArray, *, counter: FloatArray | None = None
-    ) -> Self:
-        """Return unworn bodies, of the task's counter-body or one of other heights [mm], shape (nx, ny).
+    def of(cls, task: ContactTask, executor: Executor, disc: FloatArray) -> Self:
+        """Return unworn bodies of a task.
 
-        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises
-        ValueError for a disc that is shorter than the grid or of another width.
+        disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises ValueError for one that is
+        shorter than the grid or of another width.
         """
         grid, rows = executor.grid, disc.shape[0]
         if rows < grid.nx or disc.shape[1] != grid.ny:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
         wears = task.wear[0].wears and task.pieces is None
         return cls(
-            # The task's own is the gap over a smooth disc.
-            gap_over(task.form, np.zeros(grid.shape), executor)
-            if counter is None
-            else executor.field(counter.copy(), padding=PADDING),
+            gap_over(task.form, np.zeros(grid.shape), executor),  # over a smooth disc
             executor.field(disc.copy(), padding=-PADDING),
             executor.zeros(),
             executor.zeros(rows),

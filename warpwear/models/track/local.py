@@ -52,12 +52,11 @@ class SlidingContact:
     A step visits what can touch at that displacement, and finds what visiting every cell would find.
 
     disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the ball lies on row i + shift.
-    periodic: after the disc's last row comes its first. counter: heights over the unworn apex [mm], shape
-    (nx, ny), instead of those of the task's ball. track_fraction: what this disc slides of the increment of
-    the test: its volumes count 1/track_fraction times, as those of the whole stroke that it stands for.
-    moves: whether the disc does. Where it lies still, a distance factor of the task is applied; else every
-    cell slides by the increment while it is in contact. bearing_curve: of a roughness that the grid does not
-    resolve, by which a disc that lies still runs in.
+    periodic: after the disc's last row comes its first. track_fraction: what this disc slides of the
+    increment of the test: its volumes count 1/track_fraction times, as those of the whole stroke that it
+    stands for. moves: whether the disc does. Where it lies still, a distance factor of the task is applied;
+    else every cell slides by the increment while it is in contact. bearing_curve: of a roughness that the
+    grid does not resolve, by which a disc that lies still runs in.
 
     Raises ValueError for a disc that is shorter than the grid or of another width.
     """
@@ -81,13 +80,12 @@ class SlidingContact:
         executor: Executor,
         *,
         periodic: bool = False,
-        counter: FloatArray | None = None,
         track_fraction: float = 1.0,
         moves: bool = True,
         bearing_curve: Logistic | None = None,
     ) -> None:
         executor.foresee([sliding.wear_step, bearing.counted_below if task.rigid else balance.carried])
-        self.state = SlidingBodies.of(task, executor, disc, counter=counter)
+        self.state = SlidingBodies.of(task, executor, disc)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
         self._slides = Numbers(Slide, executor.device)
