@@ -2,9 +2,8 @@
 
 import json
 import math
-from collections import deque
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -16,7 +15,8 @@ from warpwear.engine.state import InFrame, frames, restore, save
 from warpwear.grid import Grid
 
 
-class Pair(NamedTuple):
+@dataclass(frozen=True)
+class Pair:
     first: float
     second: np.ndarray
 
@@ -45,7 +45,7 @@ class Outer:
         "under": InFrame("disc"),
         "sums": {"ball": InFrame("counter"), "disc": InFrame("disc")},
         "kept": Kept,
-        "rates": deque,
+        "rates": list,
         "row": dict,
         "count": int,
         "limit": float,
@@ -61,7 +61,7 @@ class Outer:
         self.under = Inner(executor, value)
         self.sums = {name: Inner(executor, value) for name in ("ball", "disc", "of_none")}
         self.kept: Kept | None = None
-        self.rates: deque[Any] = deque(maxlen=2)
+        self.rates: list[Any] = []
         self.row = {"distance": value}
         self.count, self.limit, self.told = 0, math.inf, 0.0
 
@@ -91,7 +91,6 @@ def test_a_part_comes_back_bit_for_bit(device: str) -> None:
         assert isinstance(other.kept.pair, Pair)
         assert_array_equal(other.kept.pair.second, one.kept.pair.second)
         assert other.rates == one.rates
-        assert other.rates.maxlen == 2
         assert (other.columns, other.count, other.row, other.told) == ((2, 11), 3, one.row, 0.1 + 0.2)
         assert other.other is None
         assert {part.values.numpy()[0] for part in (other.under, *other.sums.values())} == {1.0 / 3.0}

@@ -4,14 +4,13 @@ A part is an object with a `STATE`, which names the attributes that steps change
 
     STATE = {"gap": InFrame("contact"), "tiles": Tiles, "_last": Balance, "_done": int}
 
-Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses and named tuples
-of numbers, arrays and None are made anew. What cells, tiles or rows of a body have declares its frame, by
+Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses of
+numbers, arrays and None are made anew. What cells, tiles or rows of a body have declares its frame, by
 which it follows a disc that is changed: see `frames`. A part that must do more, once it is restored, does it
 in `restored()`. What else steps change of it is made anew before it is read: these attributes are its
 `SCRATCH`.
 """
 
-from collections import deque
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Protocol, get_args, get_origin
@@ -149,12 +148,10 @@ def _put(value: Any, kind: Any, path: str, entries: _Entries, frame: Frame | Non
         return None
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}
-    elif hasattr(value, "_asdict"):
-        value = value._asdict()
     if isinstance(value, Mapping):
         kinds = kind if isinstance(kind, Mapping) else {}
         return {n: _put(item, kinds.get(n), f"{path}.{n}", entries, frame) for n, item in value.items()}
-    if isinstance(value, list | tuple | deque):
+    if isinstance(value, list | tuple):
         return [_put(item, None, f"{path}.{n}", entries, frame) for n, item in enumerate(value)]
     return value
 
@@ -195,9 +192,9 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         return None
     if isinstance(kind, InFrame):
         kind = dict  # of arrays: others were met above
-    members = _members(kind)
-    if members:
-        return kind(**{n: _take(of, None, saved[n], f"{path}.{n}", arrays) for n, of in members.items()})
+    if is_dataclass(kind):
+        taken = {f.name: _take(f.type, None, saved[f.name], f"{path}.{f.name}", arrays) for f in fields(kind)}
+        return kind(**taken)
     if isinstance(saved, Mapping):
         kinds = kind if isinstance(kind, Mapping) else {}
         if not kinds and (get_origin(kind) or kind) not in (dict, Mapping):
@@ -211,8 +208,6 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         same = isinstance(before, list) and len(before) == len(saved)
         parts = before if same else [None] * len(saved)
         taken = [_take(None, parts[i], item, f"{path}.{i}", arrays) for i, item in enumerate(saved)]
-        if isinstance(before, deque):
-            return deque(taken, before.maxlen)
         return taken if isinstance(before, list) else tuple(taken)
     return saved
 
@@ -222,13 +217,6 @@ def _alike(saved: Any, before: np.ndarray, path: str) -> Any:
     if getattr(saved, "shape", None) != before.shape or saved.dtype != before.dtype:
         raise ValueError(f"{path} is no array of {before.dtype} of the shape {before.shape}")
     return saved
-
-
-def _members(kind: Any) -> dict[str, Any]:
-    """Return the types of the members of a dataclass or named tuple, by name."""
-    if is_dataclass(kind):
-        return {field.name: field.type for field in fields(kind)}
-    return dict(getattr(kind, "__annotations__", {})) if hasattr(kind, "_fields") else {}
 
 
 def _columns(part: Any, host: np.ndarray, *, whole: bool) -> np.ndarray:
