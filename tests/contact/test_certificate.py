@@ -154,7 +154,7 @@ def certificate_of(
     **cells: Any,
 ) -> Certificate:
     """The product's word on a pressure as it stands, at the approaches of a contact."""
-    solver._influence.respond(solver.pressure_field, solver.displacement())
+    solver.operator.respond(solver.pressure_field, solver.displacement())
     fields = {"pressure": solver.pressure_field, "gap": gap, "response": solver.displacement()}
     fields |= {"cap": NO_CAP, **{name: cell for name, cell in cells.items() if cell is not None}}
     proof = Certifier(contact.executor, arguments(Fields, **fields), groups=contact.approaches.size)

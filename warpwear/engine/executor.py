@@ -102,6 +102,8 @@ class Executor:
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if self.device.is_cpu else 0
         self._pool = ThreadPoolExecutor(workers) if workers > 0 else None
+        #: Whether passes over many cells are shared among threads.
+        self.is_shared = workers > 0
         self._loaded: set[Any] = set()
         self._loader: ThreadPoolExecutor | None = None
         self._foreseen: dict[Any, Callable[[], None]] = {}
@@ -145,11 +147,6 @@ class Executor:
             (self._foreseen.pop(module, None) or begin_to_load(module, self.device))()
             self._loaded.add(module)
         return kernel
-
-    @property
-    def is_shared(self) -> bool:
-        """Tell whether passes over many cells are shared among threads."""
-        return self._pool is not None
 
     def slots_of(self, rows: int, *, most: int = MOST_SLOTS_CUDA) -> int:
         """Return the slots of a pass over rows: on a CPU one each, on a GPU of equally many rows each.

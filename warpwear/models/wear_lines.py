@@ -90,7 +90,7 @@ class WearLines:
             lines.begin(own, *of_lines)
         streak, transforms = {}, 0
         if self._moves:
-            streak = {"streak_compliance": self._lines[1].yields, "streak_window": window}
+            streak = {"streak_yields": self._lines[1].yields, "streak_window": window}
         for number in range(MOST_CONTACTS):
             contact = solve(
                 self._with_wear(window), yields=self._lines[0].yields, certified=certified, **streak

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-import warp as wp
 
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
@@ -90,7 +89,7 @@ class BoundedPressure:
     """
 
     STATE: ClassVar = {"pressure_field": InFrame("contact"), "started": bool}
-    SCRATCH: ClassVar = ("_fields", "_search", "_influence", "_searched")
+    SCRATCH: ClassVar = ("_fields", "_search", "operator", "_searched")
 
     def __init__(
         self,
@@ -105,7 +104,8 @@ class BoundedPressure:
         self._executor = executor
         self._hardness = hardness
         self._rules = replace(rules or SearchRules(), tolerance=tolerance, iterations=max_iterations)
-        self._influence = influence
+        #: What displaces by a pressure.
+        self.operator = influence
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
         self._search: Search | None = None
@@ -121,11 +121,6 @@ class BoundedPressure:
         self.started = False
 
     @property
-    def operator(self) -> Influence:
-        """Return what displaces by a pressure."""
-        return self._influence
-
-    @property
     def pressure_field(self) -> Field:
         """Return where the next solve starts, to be changed in place between 0 and H [MPa]."""
         return self._fields["pressure"]
@@ -137,10 +132,11 @@ class BoundedPressure:
         mean_pressure: float | FloatArray | None = None,
         approach: float | None = None,
         compliance: float = 0.0,
-        streak_compliance: float | Field = 0.0,
+        streak_compliance: float = 0.0,
         streak_window: int | None = None,
         cap_ratio: Field | None = None,
         yields: Field | None = None,
+        streak_yields: Field | None = None,
         certified: bool | None = True,
         then: Callable[[Search], Program] | None = None,
     ) -> HalfSpaceContact:
@@ -152,23 +148,20 @@ class BoundedPressure:
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
         line. cap_ratio: of the hardness, 0 < ratio ≤ 1, that cells bear; None: all of it. yields: compliance
-        that each cell has beside these [mm/MPa]; None: none; with it that of streaks may be one of each cell.
-        certified: whether to certify the pressure, for
-        one more pair of transforms; None: if it is found from nothing. then: the program that follows a
-        search before the host looks.
+        that each cell has beside these [mm/MPa]; None: none. streak_yields: that of streaks of each cell,
+        instead of one of all. certified: whether to certify the pressure, for one more pair of transforms;
+        None: if it is found from nothing. then: the program that follows a search before the host looks.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
         loads = self._loads(mean_pressure, approach)
         certified = not self.started if certified is None else certified
-        streaks = streak_compliance if isinstance(streak_compliance, wp.array) else None
-        own = {"cap_ratio": cap_ratio, "yields": yields, "streak_yields": streaks}
+        own = {"cap_ratio": cap_ratio, "yields": yields, "streak_yields": streak_yields}
         search = self.search_for(gap, own, groups=isinstance(mean_pressure, np.ndarray))
-        if streaks is not None:
+        if streak_yields is not None:
             search.streak(streak_window or self._executor.grid.nx)
-        along = 0.0 if isinstance(streak_compliance, wp.array) else streak_compliance
-        request = self.request(compliance, along, streak_window, tolerance=self.tolerance)
+        request = self.request(compliance, streak_compliance, streak_window, tolerance=self.tolerance)
         request |= {Request.AT_LOAD: loads is not None, Request.CERTIFIED: certified}
         self.started = False
         values, follows = np.full(1, approach) if loads is None else loads, then and then(search)
@@ -196,10 +189,10 @@ class BoundedPressure:
         self, own: float, streak: float, window: int | None, *, tolerance: float
     ) -> dict[Request, float]:
         """Set compliances, see `Influence.set_compliance`; return what a search under them is asked."""
-        self._influence.set_compliance(own, streak, window)
+        self.operator.set_compliance(own, streak, window)
         return {
-            Request.RESPONSE: self._influence.shortest_response + own,
-            Request.LONGER_RESPONSE: LONGER * self._influence.shortest_response + own,
+            Request.RESPONSE: self.operator.shortest_response + own,
+            Request.LONGER_RESPONSE: LONGER * self.operator.shortest_response + own,
             Request.AT_LOAD: True,
             Request.ANEW: not self.started,
             Request.ROUGH: tolerance >= LOOSE,
@@ -213,7 +206,7 @@ class BoundedPressure:
             self._search = None  # and its memory, before the next takes its own
             self._search = Search(
                 self._executor,
-                self._influence,
+                self.operator,
                 hardness=self._hardness,
                 rules=self._rules,
                 fields={"gap": gap, **self._fields},
@@ -239,7 +232,7 @@ class BoundedPressure:
             )
         return HalfSpaceContact(
             approaches=groups["level"].copy(),
-            mean_pressure=float(groups["total"].sum()) / self._influence.cells,
+            mean_pressure=float(groups["total"].sum()) / self.operator.cells,
             violation=worst_of(groups["violation"], groups["scale"]),
             cells_in_contact=round(float(groups["touching"].sum())),
             iterations=int(numbers["before"] + numbers["iteration"]),
@@ -262,7 +255,7 @@ class BoundedPressure:
                 f"a mean pressure of {wrong[0]:g} MPa is not possible; it must be positive and at most the "
                 f"hardness, {self._hardness:g} MPa."
             )
-        cells = self._influence.cells
+        cells = self.operator.cells
         if isinstance(mean_pressure, np.ndarray):
             cells //= self._executor.grid.nx
         return np.minimum(means, self._hardness) * cells
@@ -302,8 +295,7 @@ class HalfSpace(BoundedPressure):
     def _start(self, gap: Field, *, streak_window: int | None = None, then: Any = None, **where: Any) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine, fields = self._executor, {"gap": gap}
-        if isinstance(where.get("streak_compliance"), wp.array):
-            del where["streak_compliance"]  # it begins well enough without
+        where.pop("streak_yields", None)  # it begins well enough without
         fields |= {name: where.pop(name) for name in ("cap_ratio", "yields") if where.get(name) is not None}
         if self._wide is None or self._wide_fields.keys() != fields.keys():
             # Of an odd number of cells the last wide one goes over the edge.

@@ -187,11 +187,11 @@ class Stay:
     extents: Field
     add_after: Callable[[Program], None]
 
-    def add_to(self, program: Program, lap: Any, from_lap: Field) -> None:
+    def add_to(self, program: Program, lap: Any, *flag: Any) -> None:
         """Add a contact: from a pressure of a `passes.Lap` where a flag says so, else from the last one."""
         for name, field in self.fields.items():
             self.here.add_copy(program, passes.take_window, field, self.here.fields[name])
-        with program.branch(from_lap):
+        with program.branch(*flag):
             self.here.add(program, passes.take_lap, lap)
         self.here.add_search(program, self.search)
         self.add_after(program)
@@ -218,6 +218,8 @@ class WindowedHalfSpace:
     ) -> None:
         self._executor, self._boundary, self._hardness = executor, boundary, hardness
         grid = executor.grid
+        #: Tolerance of contacts that are asked for no other.
+        self.tolerance = tolerance
         self._law: dict[str, Any] = {
             "modulus": modulus,
             "boundary": boundary,
@@ -248,11 +250,6 @@ class WindowedHalfSpace:
     def start(self) -> Field | None:
         """Return the pressures that the next solve starts from; None where that is nothing."""
         return self._pressure if self._started else None
-
-    @property
-    def tolerance(self) -> float:
-        """Return the tolerance of contacts that are asked for no other."""
-        return float(self._law["tolerance"])
 
     @property
     def pressure(self) -> FloatArray:
@@ -293,10 +290,11 @@ class WindowedHalfSpace:
         gap: Field,
         *,
         load: float,
-        streak_compliance: float | Field = 0.0,
+        streak_compliance: float = 0.0,
         streak_window: int | None = None,
         cap_ratio: Field | None = None,
         yields: Field | None = None,
+        streak_yields: Field | None = None,
         least_cap_ratio: float = 1.0,
         certified: bool | None = True,
         tolerance: float | None = None,
@@ -308,18 +306,16 @@ class WindowedHalfSpace:
         cap_ratio. Raises InputError for a load that not all cells at the least of their caps carry.
         """
         whole, least = self._executor.grid, least_cap_ratio * self._hardness
-        streaks = streak_compliance if isinstance(streak_compliance, wp.array) else None
-        there = {"gap": gap, "cap_ratio": cap_ratio, "yields": yields, "streak_compliance": streaks}
+        there = {"gap": gap, "cap_ratio": cap_ratio, "yields": yields, "streak_yields": streak_yields}
         fields = {name: field for name, field in there.items() if field is not None}
         options: dict[str, Any] = {"compliance": compliance, "streak_window": streak_window}
-        if streaks is None:
-            options["streak_compliance"] = streak_compliance
+        options["streak_compliance"] = streak_compliance
         options["certified"] = not self._started if certified is None else certified
 
         self._see_bodies(gap, least)
         # No more of a mean along x may reach beyond the window than it holds.
-        rows = 2 * (streak_window or (whole.nx if streaks is not None or streak_compliance else 1))
-        has_windows = self._has_windows and streaks is None  # which reach beyond them
+        rows = 2 * (streak_window or (whole.nx if "streak_yields" in fields or streak_compliance else 1))
+        has_windows = self._has_windows and streak_yields is None  # which reach beyond them
         if not has_windows:
             self._look_at(self._everything)
         elif self._window is None:
@@ -380,7 +376,7 @@ class WindowedHalfSpace:
         """
         fields = {"gap": gap, "columns": self._executor.grid.ny, "extents": self._extents}
         here.add_copy(program, passes.give_window, here.solver.pressure_field, self._pressure)
-        here.add_copy(program, passes.give_window, search.gradient, self._gradient)
+        here.add_copy(program, passes.give_window, search.arguments.fields.gradient, self._gradient)
         program.launch(passes.extents, arguments(passes.ContactReach, **fields, **search.reached))
 
     def stay(
@@ -489,8 +485,6 @@ class WindowedHalfSpace:
 
     def _first(self, gap: Field, load: float, rows: int, hardness: float) -> Window:
         """Return a window around the lowest cell, of a size that carries the load at a hardness [MPa]."""
-        if not self._has_windows:
-            return self._everything
         row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), self._executor.grid.ny)
         return self._that_carries((row, row, column, column), load, rows, hardness)
 
