@@ -46,7 +46,7 @@ class Drawn:
             groups=1,
             tiled=tiled,
         )
-        self.search._solve.groups.numpy()["level"] = LEVEL
+        self.search.arguments.groups.numpy()["level"] = LEVEL
         self.program = Program(executor)
         self.search._precondition(self.program)
         executor.to_numpy(self.fields["pressure"])[:] = p
@@ -56,8 +56,8 @@ class Drawn:
 
     def descent(self, executor: Executor) -> FloatArray:
         self.program.run()
-        if self.search._solve.numbers.numpy()["extended"]:
-            return np.array(self.search._solve.fields.gathered.numpy()[:, : executor.grid.ny], dtype=float)
+        if self.search.arguments.numbers.numpy()["extended"]:
+            return np.array(self.search.arguments.fields.gathered.numpy()[:, : executor.grid.ny], dtype=float)
         return np.array(executor.to_numpy(self.fields["trial"]))
 
 

@@ -222,14 +222,14 @@ class Program:
         self._add(Call(function, self._executor.device.is_cuda))
 
     @contextmanager
-    def loop(self, flag: Field) -> Iterator[None]:
-        """Repeat what is added within while flag[0] is not 0. flag: one number, int32."""
-        yield from self._within(Branch(flag, repeats=True))
+    def loop(self, flags: Field, place: int = 0) -> Iterator[None]:
+        """Repeat what is added within while a number of flags, int32, is not 0."""
+        yield from self._within(Branch(flags[place : place + 1], repeats=True))
 
     @contextmanager
-    def branch(self, flag: Field) -> Iterator[None]:
-        """Do what is added within if flag[0] is not 0. flag: one number, int32."""
-        yield from self._within(Branch(flag))
+    def branch(self, flags: Field, place: int = 0) -> Iterator[None]:
+        """Do what is added within if a number of flags, int32, is not 0."""
+        yield from self._within(Branch(flags[place : place + 1]))
 
     @contextmanager
     def on(self, executor: Executor) -> Iterator[None]:

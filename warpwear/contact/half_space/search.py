@@ -79,7 +79,8 @@ class Search:
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
 
         self._kernel_rules = self._rules_for(groups)
-        self._solve = arguments(
+        #: The search as kernels take it.
+        self.arguments = arguments(
             solve.Solve,
             device,
             columns=grid.ny,
@@ -103,12 +104,12 @@ class Search:
             flags=len(Flag),
         )
         if self._extends:
-            self._solve.neighbours = operator.neighbours
+            self.arguments.neighbours = operator.neighbours
         if self._few:
             self._room = room_for_few(self._few, device, operator.far_shape, *operator.coefficients())
-        self._proof = Certifier(executor, self._solve.fields, groups=groups, visited=operator.visited)
-        self._inputs = Mirror(self._solve.request, self._solve.loads)
-        self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
+        self._proof = Certifier(executor, self.arguments.fields, groups=groups, visited=operator.visited)
+        self._inputs = Mirror(self.arguments.request, self.arguments.loads)
+        self._mirror = Mirror(self.arguments.numbers, self.arguments.groups, self._proof.arguments.groups)
         self._slots = slots
         #: Ranges of slots for the threads, as of `Program.launch`.
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
@@ -124,7 +125,7 @@ class Search:
         that runs before the host reads the results.
         """
         values = np.array([request.get(name, 0.0) for name in Request])
-        loads = np.resize(loads, self._solve.loads.shape)
+        loads = np.resize(loads, self.arguments.loads.shape)
         self._inputs.write(values, loads)
         self._program.run()
         if then is not None:
@@ -144,19 +145,9 @@ class Search:
         return int(self.numbers["status"])
 
     @property
-    def gradient(self) -> Field:
-        """Return the gap after deformation and wear, from the mean planes [mm]."""
-        return self._solve.fields.gradient
-
-    @property
-    def arguments(self) -> Any:
-        """Return the search as kernels take it."""
-        return self._solve
-
-    @property
     def reached(self) -> dict[str, Field]:
         """Return the arrays with approach and certificate, by names of `half_space.passes.ContactReach`."""
-        return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
+        return {"groups": self.arguments.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
         """Return the certificate of the last pressure, whose search must have been asked for one."""
@@ -170,36 +161,36 @@ class Search:
 
     def add_to(self, program: Program) -> None:
         """Add a search, and the certificate where its pressure is to have one."""
-        search, proof = self._solve, self._proof
+        search, proof = self.arguments, self._proof
         program.decide(decisions.begin, search)
-        with program.loop(self._flag(Flag.SOLVING)):
+        with program.loop(self.arguments.flags, Flag.SOLVING):
             self._search(program)
             program.decide(decisions.conclude, search, proof.arguments)
-            with program.branch(self._flag(Flag.CERTIFIES)):
+            with program.branch(self.arguments.flags, Flag.CERTIFIES):
                 self._respond(program, "pressure", single=False)
                 proof.add_to(program, self._chunks)
                 program.decide(decisions.accept, search, proof.arguments)
 
     def _search(self, program: Program) -> None:
         """Add the start of a search, and its iteration, which repeats until a decision ends it."""
-        search = self._solve
+        search = self.arguments
         program.decide(decisions.start, search)
         for _ in range(2):  # about 0, then about the mean
             self._pass(program, passes.moments)
             program.decide(decisions.measure, search)
-        with program.branch(self._flag(Flag.ANEW)):
+        with program.branch(self.arguments.flags, Flag.ANEW):
             self._pass(program, passes.springs)
             self._balance(program)
             self._pass(program, passes.take)
         self._renew(program)
         self._judge(program)
-        with program.loop(self._flag(Flag.SEARCHING)):
+        with program.loop(self.arguments.flags, Flag.SEARCHING):
             if self._single:  # in double precision a gradient stays good
-                with program.branch(self._flag(Flag.RENEWS)):
+                with program.branch(self.arguments.flags, Flag.RENEWS):
                     self._renew(program)
             with self._only_if(program, Flag.MOVES, self._single):
                 if self._few:
-                    with program.branch(self._flag(Flag.MOVES_FEW)):
+                    with program.branch(self.arguments.flags, Flag.MOVES_FEW):
                         self._move_few(program)
                 with self._only_if(program, Flag.STEPS, bool(self._few)):
                     self._step(program)
@@ -208,33 +199,33 @@ class Search:
     def _judge(self, program: Program) -> None:
         """Go along the step that was decided on, and judge what that leaves."""
         self._pass(program, passes.advance)
-        program.decide(decisions.judge, self._solve)
+        program.decide(decisions.judge, self.arguments)
 
     def _only_if(self, program: Program, flag: Flag, asks: bool) -> AbstractContextManager[None]:
         """Make what follows depend on a flag if `asks`; else do it always, as a branch costs a GPU time."""
-        return program.branch(self._flag(flag)) if asks else nullcontext()
+        return program.branch(self.arguments.flags, flag) if asks else nullcontext()
 
     def _renew(self, program: Program) -> None:
         """Compute the gradient anew from the present pressure."""
-        search = self._solve
+        search = self.arguments
         if search.fields.cap_ratio.shape[0]:
             self._pass(program, passes.bound)
         with self._only_if(program, Flag.RENEWS_EXACTLY, self._single):
             self._respond(program, "pressure", single=False)
         if self._single:
-            with program.branch(self._flag(Flag.RENEWS_ROUGHLY)):
+            with program.branch(self.arguments.flags, Flag.RENEWS_ROUGHLY):
                 self._respond(program, "pressure", single=True)
         self._pass(program, passes.gradient)
         program.decide(decisions.renew, search)
 
     def _step(self, program: Program) -> None:
         """Choose a trial, shift it to the load, and go towards it as far as the least energy."""
-        search = self._solve
-        with program.branch(self._flag(Flag.PRECONDITIONS)):
+        search = self.arguments
+        with program.branch(self.arguments.flags, Flag.PRECONDITIONS):
             self._precondition(program)
         self._pass(program, passes.products)
         program.decide(steps.aim, search)
-        with program.branch(self._flag(Flag.DESCENDS)):
+        with program.branch(self.arguments.flags, Flag.DESCENDS):
             self._pass(program, passes.direction)
             self._balance(program)
             self._respond_to_step(program)
@@ -242,10 +233,10 @@ class Search:
 
     def _balance(self, program: Program) -> None:
         """Shift the trial, whose sums the pass before has left, until it carries the load."""
-        program.decide(decisions.begin_balance, self._solve)
-        with program.loop(self._flag(Flag.BALANCING)):
+        program.decide(decisions.begin_balance, self.arguments)
+        with program.loop(self.arguments.flags, Flag.BALANCING):
             self._pass(program, passes.carried)
-            program.decide(decisions.balance, self._solve)
+            program.decide(decisions.balance, self.arguments)
 
     def _respond_to_step(self, program: Program) -> None:
         self._pass(program, passes.step)
@@ -254,7 +245,7 @@ class Search:
 
     def _precondition(self, program: Program) -> None:
         """Make the descent of the free cells from their gradient, extended to the others where that pays."""
-        search, trial = self._solve, self._solve.fields.trial
+        search, trial = self.arguments, self.arguments.fields.trial
         if not self._extends:
             self._pass(program, passes.residual)
             if self._yields:
@@ -267,17 +258,17 @@ class Search:
         program.decide(steps.judge_scatter, search)
         if self._tiled:
             blocks = -(-self._executor.grid.nx // passes.ROWS)
-            with program.branch(self._flag(Flag.EXTENDS)):
+            with program.branch(self.arguments.flags, Flag.EXTENDS):
                 program.launch(passes.extend, search, slots=blocks)
-            with program.branch(self._flag(Flag.EXTENDS_NOT)):
+            with program.branch(self.arguments.flags, Flag.EXTENDS_NOT):
                 self._pass(program, passes.residual)
             self._operator.add_inverse(program, trial, trial)
-            with program.branch(self._flag(Flag.EXTENDS)):
+            with program.branch(self.arguments.flags, Flag.EXTENDS):
                 program.launch(passes.gather, search, slots=blocks)
             return
         self._pass(program, passes.residual)
         for numbers in ((0, 1), (2, 3, 4)):
-            with program.branch(self._flag(Flag.EXTENDS)):
+            with program.branch(self.arguments.flags, Flag.EXTENDS):
                 for number in numbers:
                     self._pass(program, passes.extend_once, number)
             if numbers[0] == 0:
@@ -285,21 +276,18 @@ class Search:
 
     def _move_few(self, program: Program) -> None:
         """Solve the few cells that may still change between 0, free and the cap directly, all at once."""
-        search = self._solve
+        search = self.arguments
         self._pass(program, steps.count_open, self._room)
         program.decide(steps.place_open, search, self._room)
-        with program.branch(self._flag(Flag.AIMED_AT_FEW)):
+        with program.branch(self.arguments.flags, Flag.AIMED_AT_FEW):
             self._pass(program, steps.list_open, self._room)
             program.decide(steps.aim_few, search, self._room)
-        with program.branch(self._flag(Flag.AIMED_AT_FEW)):
+        with program.branch(self.arguments.flags, Flag.AIMED_AT_FEW):
             self._respond_to_step(program)
             program.decide(steps.go_few, search)
 
-    def _flag(self, flag: Flag) -> Field:
-        return self._solve.flags[flag : flag + 1]
-
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
-        fields = self._solve.fields
+        fields = self.arguments.fields
         self._operator.add_response(program, getattr(fields, field), fields.response, single=single)
         if self._yields:
             self._pass(program, passes.yield_to_step if field == "step" else passes.yield_to_pressure)
@@ -308,7 +296,7 @@ class Search:
             self._pass(program, passes.add_streaks, self._streaks)
 
     def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
-        program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)
+        program.launch(kernel, self.arguments, *more, slots=self._slots, chunks=self._chunks)
 
     def _rules_for(self, groups: int) -> Numbers:
         """Return the rules as kernels take them."""

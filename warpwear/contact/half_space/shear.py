@@ -208,8 +208,8 @@ class ShearSearch:
             program.launch(kernel, shear)
         program.decide(kernels.begin, shear)
         self._look(program)
-        with program.loop(self._flag(ShearFlag.SEARCHING)):
-            with program.branch(self._flag(ShearFlag.PRECONDITIONS)):
+        with program.loop(shear.flags, ShearFlag.SEARCHING):
+            with program.branch(shear.flags, ShearFlag.PRECONDITIONS):
                 self._operator.add_inverse(program, shear.trial)
             program.launch(kernels.descends, shear)
             program.decide(kernels.aim, shear)
@@ -225,7 +225,7 @@ class ShearSearch:
     def _look(self, program: Program) -> None:
         """Shift the traction until it carries the force, and judge what slips under it."""
         shear = self._shear
-        with program.loop(self._flag(ShearFlag.SHIFTING)):
+        with program.loop(shear.flags, ShearFlag.SHIFTING):
             program.launch(kernels.shifts, shear)
             program.decide(kernels.shift, shear)
         self._operator.add_response(program, shear.traction, shear.response)
@@ -233,6 +233,3 @@ class ShearSearch:
         program.decide(kernels.level, shear)
         program.launch(kernels.slips, shear)
         program.decide(kernels.judge, shear)
-
-    def _flag(self, flag: ShearFlag) -> Field:
-        return self._shear.flags[int(flag) : int(flag) + 1]
