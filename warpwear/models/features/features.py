@@ -6,7 +6,6 @@ import pkgutil
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from copy import copy
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
@@ -17,7 +16,6 @@ from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history import quantities
-from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import CellProperties, Sources
 from warpwear.laws.task import ContactTask
 from warpwear.models import features as folder
@@ -122,20 +120,9 @@ class Features:
         """Tell whether pressures move with the counter-body, so that the disc sees their mean."""
         return any(one.moves_pressure for one in self)
 
-    @property
-    def window(self) -> int | None:
-        """Return the rows of the disc that pass over one of the counter-body, where a feature says so."""
-        return next((one.window for one in self if one.window is not None), None)
-
-    @property
-    def yields(self) -> Field | None:
-        """Return the compliance that one lends each cell in a step [mm/MPa]; None where none does."""
-        return next((one.yields for one in self if one.yields is not None), None)
-
-    @cached_property
-    def book(self) -> PieceBook | None:
-        """Return the book of what has left the bodies piece by piece; None where nothing does."""
-        return next((one.book for one in self if one.book is not None), None)
+    def value_of(self, name: str) -> Any:
+        """Return the `window`, `yields` or `book` of the one that has it; None where none does."""
+        return next((said for one in self if (said := getattr(one, name)) is not None), None)
 
     def ratios(self, window: int) -> tuple[float, float]:
         """Return K of both bodies by which all cells lend compliance, over that of a step."""

@@ -142,7 +142,7 @@ class HalfSpacePatches(Model):
         features = self._wears.features
         solve: Any = partial(self._solver.solve, cap_ratio=features.cells.cap_ratio, **loads)
         if self._lines is None:
-            own = {"compliance": removal, "yields": features.yields}
+            own = {"compliance": removal, "yields": features.value_of("yields")}
             contact: HalfSpaceContact = solve(self.gap, certified=certified, **own)
             return contact
         start = self._solver.pressure_field if self._solver.started else None

@@ -60,7 +60,7 @@ class SweptModel(Model):
     @property
     def pieces(self) -> PieceBook | None:
         """Return the book of the pieces that have left; None where wear leaves at once."""
-        return self.contact.features.book
+        return self.contact.features.value_of("book")
 
     @property
     def in_blocks(self) -> bool:
