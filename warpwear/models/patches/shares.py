@@ -53,14 +53,8 @@ class LoadSharing:
         #: Approaches are base + offset [mm], which together hold more digits than their sum.
         self.base, self.offset = self.curves.base, self.curves.offset
         self.answer: Field = self.curves.answer
-        self.load = arguments(
-            sharing.SharedLoad,
-            load=load,
-            area=area,
-            hardness=hardness,
-            tolerance=TOLERANCE,
-            evaluations=MAX_EVALUATIONS - 1,
-        )
+        carried = {"load": load, "area": area, "hardness": hardness, "tolerance": TOLERANCE}
+        self.load = arguments(sharing.SharedLoad, **carried, evaluations=MAX_EVALUATIONS - 1)
         self.search = Numbers(sharing.SharingSearch, device)
         self.flags = arguments(sharing.Flags, device)
 
@@ -134,14 +128,8 @@ class SmoothContact:
             target=(1, count),
             room=(2, count),
         )
-        load = arguments(
-            sharing.SharedLoad,
-            load=task.load,
-            area=self.area,
-            hardness=task.hardness,
-            tolerance=TOLERANCE,
-            evaluations=0,
-        )
+        carried = {"load": task.load, "area": self.area, "hardness": task.hardness, "tolerance": TOLERANCE}
+        load = arguments(sharing.SharedLoad, **carried)
         self.brackets = wp.zeros(count, dtype=Bracket, device=device)
         self._step = wp.zeros(2, dtype=wp.float64, device=device)
         self._alone = Program(executor)
