@@ -12,21 +12,17 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import (
-    ABSENT,
-    LANES,
     LISTED,
     NONE,
     ONE,
-    TILE_VECTORS,
     ZERO,
     Cells,
-    TileSums,
     fields,
 )
-from warpwear.kernels.contact import Bends, Law, bent_pressure_of, pressure_of
+from warpwear.kernels.contact import Bends, Law
 from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
-from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, TileLists, kept_of, limit_of, list_from, reached
+from warpwear.kernels.tiles import LISTS, SAMPLE, SAMPLED, Listing, TileLists, limit_of, list_from, reached
 
 native_pass = native_code.passes_of(__name__, "springs.h", "tiles.h")
 
@@ -178,42 +174,10 @@ def conclude(springs: Springs, s: BalanceSearch, lists: Listing):
     springs.law[0] = law
 
 
-@wp.kernel
-def select(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    lists: wp.array(dtype=Listing),
-    gap: wp.array2d(dtype=Cells),
-    unworn: wp.array2d(dtype=Cells),
-    tiles: TileLists,
-):
-    """List anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
-
-    Of a tile that leaves the list it is kept what the pass that wears sums over listed tiles only.
-    """
-    row = first_slot + wp.tid()
-    limit = lists[0].limit
-    for n in range(
-        wp.where(lists[0].is_fresh == 1, 0, tiles.count[row])
-    ):  # gaps of others are what they were
-        t = tiles.list[row, n]
-        low = Cells(ABSENT)
-        for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-            low = wp.min(low, gap[row, k])
-        smallest = wp.min(low)
-        tiles.lowest[row, t] = smallest
-        if smallest > limit:
-            tiles.kept[row, t] = kept_of(row, t, gap, unworn)
-    count = wp.int32(0)
-    rest = TileSums()
-    for t in range(tiles.lowest.shape[1]):
-        if tiles.lowest[row, t] <= limit:
-            tiles.list[row, count] = t
-            count += 1
-        else:
-            rest += tiles.kept[row, t]
-    tiles.count[row] = count
-    tiles.rest[row] = rest
+#: List anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
+#:
+#: Of a tile that leaves the list it is kept what the pass that wears sums over listed tiles only.
+select = native_pass("list_tiles", lists=LISTS, **fields("gap", "unworn"), tiles=TileLists)
 
 
 @wp.kernel
@@ -278,52 +242,7 @@ def judge(springs: Springs):
         conclude(springs, s, lists)
 
 
-@wp.func
-def pressures_at(
-    row: wp.int32,
-    k: wp.int32,
-    springs: Springs,
-    gap: wp.array2d(dtype=Cells),
-    stiffness: wp.array2d(dtype=Cells),
-    cap_ratio: wp.array2d(dtype=Cells),
-):
-    """Return the pressures of the cells of a vector, at the end of a search; fields as of `carried`."""
-    law = springs.law[0]
-    g = gap[row, k]
-    s = Cells(springs.search[0].stiffness)
-    if stiffness.shape[0] > 0:
-        s = stiffness[wp.min(row, stiffness.shape[0] - 1), k]
-    ratio = Cells(ONE)
-    if cap_ratio.shape[0] > 0:
-        ratio = cap_ratio[row, k]
-    p = Cells(ZERO)
-    for j in range(LANES):
-        own = law  # of a cell that bears a part of the cap, also where it is tied with the approach
-        own.cap = law.cap * ratio[j]
-        own.tie_pressure = law.tie_pressure * ratio[j]
-        if springs.bends.knots.shape[0] > 0:
-            p[j] = bent_pressure_of(own, g[j], springs.bends)
-        else:
-            p[j] = pressure_of(own, g[j], s[j])
-    return p
-
-
-@wp.kernel
-def pressures(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    springs: Springs,
-    gap: wp.array2d(dtype=Cells),
-    stiffness: wp.array2d(dtype=Cells),
-    cap_ratio: wp.array2d(dtype=Cells),
-    pressure_out: wp.array2d(dtype=Cells),
-):
-    """Store the pressures of the cells listed, at the end of a search; fields as of `carried`."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    for row in range(slot, gap.shape[0], slots):
-        for n in range(wp.tid() % wp.block_dim(), count[row], wp.block_dim()):
-            t = tiles[row, n]
-            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-                pressure_out[row, k] = pressures_at(row, k, springs, gap, stiffness, cap_ratio)
+#: Store the pressures of the cells listed, at the end of a search; fields as of `carried`.
+pressures = native_pass(
+    "press", **LISTED, springs=Springs, **fields("gap", "stiffness", "cap_ratio", "pressure")
+)

@@ -108,10 +108,24 @@ class PressureMost(IntEnum):
     LAST_COLUMN = 6
 
 
+class PieceCount(IntEnum):
+    """Names the counts of a body that wears in pieces."""
+
+    CANDIDATES = 0
+    PEAKS = 1  # of a round
+    CUT = 2  # those that are
+    ROUND = 3  # rounds in which pieces left
+    WAITING = 4  # cells that are still due for the next step
+    WAITED = 5  # those that were for this one
+    STAGE = 6  # how far the step is
+    PIECES = 7  # of the step
+    DUE = 8  # cells
+
+
 #: Sums that a feature of a contact enters in its books, where there is one.
 OF_FEATURES = {"bare", "slip_work", "stuck"}
 #: Tables whose lines C++ knows by name, see `native_code`: they are numbered from 0 on.
-TABLES = (WearSum, WearMost, TrackSum, TrackMost, PressureSum, PressureMost)
+TABLES = (WearSum, WearMost, TrackSum, TrackMost, PressureSum, PressureMost, PieceCount)
 
 
 def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
@@ -211,12 +225,3 @@ OF_CELLS = {"sources": Sources, "cells": CellProperties}
 def fields(*names: str) -> dict[str, Any]:
     """Return the types of fields that a pass takes, by their names."""
     return dict.fromkeys(names, FIELD)
-
-
-@wp.func
-def sum_of(v: Cells):
-    """Add up the lanes."""
-    total = ZERO
-    for j in range(LANES):
-        total += v[j]
-    return total

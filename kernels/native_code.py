@@ -135,6 +135,17 @@ def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
     """Find the largest of a line of a table, by all threads of a deciding slot."""
 
 
+@wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")
+def total_of(
+    table: wp.array2d(dtype=wp.float64),
+    adds: wp.int32,
+    history: wp.array2d(dtype=wp.float64),
+    row: wp.int32,
+    column: wp.int32,
+) -> None:
+    """Reduce each line of a table to a number, in a row from a column on. All threads of a slot call it."""
+
+
 #: Numbers of the lines of a table.
 Lines = wp.types.vector(length=14, dtype=wp.float64)
 

@@ -10,10 +10,11 @@ import warp as wp
 from warpwear.kernels.balance import Springs, ask_for, search_from, search_from_lowest
 from warpwear.kernels.bearing import area_between, area_near
 from warpwear.kernels.cells import NONE, ONE, ZERO, TrackMost, TrackSum
+from warpwear.kernels.native_code import total_of
 from warpwear.kernels.newton import HALF, STUCK
 from warpwear.kernels.sliding import RowSums, Slide, StepTables
 from warpwear.kernels.tiles import reached
-from warpwear.kernels.wear import BALANCE, enter_balance, is_within, total_of
+from warpwear.kernels.wear import BALANCE, enter_balance, is_within
 
 #: All kernels of a step are compiled together.
 TOGETHER = wp.get_module("warpwear.kernels.sliding")
@@ -173,7 +174,7 @@ def end_search(springs: Springs, steps: SlidingSteps):
             steps.memory[0] = memory
 
 
-@wp.func_native("return sum_of_array(values);")
+@wp.func_native("return sum_of_numbers(values.data, values.shape[0]);")
 def _sum_of(values: wp.array(dtype=wp.float64)) -> wp.float64: ...
 
 

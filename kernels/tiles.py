@@ -8,7 +8,7 @@ of all tiles whose lowest gap lies below some limit serves every approach up to 
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, Cells, TileSums, sum_of
+from warpwear.kernels.cells import TileSums
 
 wp.set_module_options(native_code.options("tiles.h"))
 
@@ -66,19 +66,6 @@ def list_from(before: Listing, lowest: wp.float64):
         lists.limit = lowest
         lists.asked = lowest
     return lists
-
-
-@wp.func
-def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp.array2d(dtype=Cells)):
-    """Return the number of worn cells of a tile and the sum of their wear."""
-    touched = ZERO
-    both = Cells(ZERO)
-    for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-        worn = gap[row, k] - unworn[row, k]
-        both += worn
-        for j in range(LANES):
-            touched += wp.where(worn[j] > ZERO, ONE, ZERO)
-    return TileSums(touched, sum_of(both))
 
 
 @wp.func_native("return limit_of_rank(lowest, rows_apart, tiles, limit);")

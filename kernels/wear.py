@@ -196,17 +196,6 @@ wear_step = native_pass(
 )
 
 
-@wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")
-def total_of(
-    table: wp.array2d(dtype=wp.float64),
-    adds: wp.int32,
-    history: wp.array2d(dtype=wp.float64),
-    row: wp.int32,
-    column: wp.int32,
-) -> None:
-    """Reduces each line of a table to a number, in a row from a column on. All threads of a slot call it."""
-
-
 @wp.func_native("return total_step(tables, &wp::index(history, row, column));")
 def total_step(
     tables: Tables, history: wp.array2d(dtype=wp.float64), row: wp.int32, column: wp.int32

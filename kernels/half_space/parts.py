@@ -8,7 +8,7 @@ from warpwear.kernels.cells import ONE, PressureMost, PressureSum
 from warpwear.kernels.half_space import solve as search
 from warpwear.kernels.half_space.passes import Lap
 from warpwear.kernels.half_space.solve import TOGETHER, Flag, Request, Solve
-from warpwear.kernels.native_code import most_of, sum_of
+from warpwear.kernels.native_code import most_of, total_of
 from warpwear.kernels.sliding import Slide
 
 SUMS = wp.constant(wp.int32(len(PressureSum)))
@@ -89,14 +89,8 @@ def book_part(
 ):
     """Note what a part has left, and go on to the next."""
     n = parts.numbers[0]
-    for line in range(SUMS):
-        total = sum_of(sums, line)
-        if search.lane() == 0:
-            parts.left[n, line] = total
-    for line in range(MAXIMA):
-        largest = most_of(maxima, line)
-        if search.lane() == 0:
-            parts.left[n, SUMS + line] = largest
+    total_of(sums, 1, parts.left, n, 0)
+    total_of(maxima, 0, parts.left, n, SUMS)
     if search.lane() == 0:
         numbers = solve.numbers[0]
         parts.left[n, SUMS + MAXIMA] = solve.groups[0].level

@@ -9,7 +9,7 @@ import warp as wp
 from warpwear.kernels import contact
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
-from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve, Streaks, native_pass, own_pass
+from warpwear.kernels.half_space.solve import RowGroup, Solve, Streaks, native_pass, own_pass
 
 #: Rows of a slot of `extend` and `gather`.
 ROWS = 16
@@ -75,7 +75,7 @@ class Lap:
 
     laps: wp.array2d(dtype=Cells)  # [MPa]
     pressure: wp.array2d(dtype=Cells)  # in a window [MPa]
-    first: wp.array(dtype=wp.int32)  # row of the last, vector, and row of the one before where it begins
+    first: wp.array(dtype=wp.int32)  # row of the one before, vector, and row of the last where it begins
     ahead: wp.array(dtype=wp.float64)  # distance from the last lap on, over that between both; one number
     cap: wp.float64  # [MPa]
 
@@ -97,8 +97,6 @@ take_window = native_pass("take_window", transfer=Transfer)
 give_window = native_pass("give_window", transfer=Transfer)
 #: Start from the pressure of a place in the last lap, or from where that leads to.
 take_lap = native_pass("take_lap", lap=Lap)
-#: Keep the pressure of a place instead of that of the lap before the last.
-keep_lap = native_pass("keep_lap", lap=Lap)
 #: Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none.
 restrict = native_pass("restrict_cells", transfer=Transfer)
 #: Give each cell the value of the wide cell that it lies in.
@@ -106,4 +104,4 @@ prolong = native_pass("prolong_cells", transfer=Transfer)
 #: Find the extents of the cells that a contact reaches; the first ones negated.
 extents = native_pass("extents", reach=ContactReach)
 #: The gap of unworn bodies, with which searches begin: alone it would compile Warp's headers again.
-unworn_gap = wp.Kernel(contact.gap.func, key="unworn_gap", module=TOGETHER, source=contact.gap.adj.source)
+unworn_gap = native_pass("gap_under_ball", **contact.OF_GAP)

@@ -10,6 +10,27 @@ WARPWEAR_FN int under_row(int row, int shift, int rows)
     return displaced < rows ? displaced : displaced - rows;
 }
 
+// The gap of a ball from the mean plane of a roughness. columns: of a line, of which a row may have several.
+// Neither near the apex nor of a flat does the height of the ball lose digits.
+template <typename Ball, typename Layout, typename Field>
+WARPWEAR_FN void gap_under_ball(int slot, int slots, int columns, const Ball& ball, const Layout& layout,
+                                const Field& roughness, const Field& gaps)
+{
+    const int of_line = layout.vectors * OF_VECTOR * LANES, cells = gaps.shape[1] * OF_VECTOR * LANES;
+    for (int row = slot; row < gaps.shape[0]; row += slots) {
+        const double* const heights = (const double*)row_of(roughness, row);
+        double* const gap = (double*)row_of(gaps, row);
+        for (int n = lane_of_slot(); n < cells; n += width_of_slot()) {
+            const int line = n / of_line, column = n % of_line;
+            const double x = ball.x_first + double(wp::index(layout.first_row, row) + line) * ball.cell;
+            const double y = ball.y_first + double(wp::index(layout.first_column, row) + column) * ball.cell;
+            const double r2 = x * x + y * y, under_root = 1.0 - r2 * ball.curvature * ball.curvature;
+            const double sag = r2 * ball.curvature / (1.0 + sqrt(under_root > 0.0 ? under_root : 0.0));
+            gap[n] = column < columns ? (under_root > 0.0 ? sag : ABSENT) - heights[n] : ABSENT;
+        }
+    }
+}
+
 // Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
 #if defined(__CUDA_ARCH__)
 static const int TEAM = 32;
@@ -49,9 +70,7 @@ WARPWEAR_FN Lanes columns_from(int first)
 // as many rows as there are it is that of all.
 template <typename Field> WARPWEAR_FN Lanes mean_at(const Field& field, int row, int i, int window)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
+    CONTRACT_FAST
     const int rows = field.shape[0], half = window / 2;
     Lanes sum = 0.0;
     if (window >= rows) {
@@ -97,40 +116,3 @@ static const double NEARLY_NONE = 1e-200;
 // What of a depth [mm] that shear wears all cells lose, at least.
 template <typename Slide> WARPWEAR_FN double least_shear(const Slide& slide)
 { return (slide.removal.shear_counter + slide.removal.shear_disc) * slide.removal.least_shear_ratio; }
-
-static const int OVERFLOW_BEFORE = 5; // where a body counts what had overflowed, as in pieces.py
-
-// Sums of wear and of what is pending, and the deepest wear, of the rows of a body that a step may have
-// changed: those under the contact and beside it, or all where pieces had overflowed.
-template <typename Slides, typename Footprint, typename Body, typename Field>
-WARPWEAR_FN void total_body(int slot, int slots, const Slides& slides, const Footprint& footprint,
-                            const Body& body, const Field& wear_of, const Field& pending_of)
-{
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(off)
-#endif
-    const auto& slide = wp::index(slides, 0);
-    const int rows = wear_of.shape[0], vectors_per_row = wear_of.shape[1] * OF_VECTOR;
-    int first = slide.shift * body.number - footprint.margin, count = slide.rows + 2 * footprint.margin;
-    if (wp::index(body.counts, OVERFLOW_BEFORE) > 0) {
-        first = 0;
-        count = rows;
-    } else if (body.periodic == 0) {
-        count = wp::min(first + count, rows) - wp::max(first, 0);
-        first = wp::max(first, 0);
-    }
-    count = wp::min(count, rows);
-    for (int number = slot; number < count; number += slots) {
-        const int row = (first + rows + number) % rows;
-        const Stored *const wear = row_of(wear_of, row), *const pending = row_of(pending_of, row);
-        Lanes worn = 0.0, waits = 0.0, deepest = 0.0;
-        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
-            worn += wear[i];
-            waits += pending[i];
-            deepest = larger_of(deepest, wear[i]);
-        }
-        store_sum(body.of_rows, 0, row, total(worn));
-        store_sum(body.of_rows, 1, row, total(waits));
-        store_most(body.of_rows, 2, row, most(deepest));
-    }
-}

@@ -22,6 +22,15 @@ typedef long long Counts __attribute__((ext_vector_type(8)));
 #endif
 typedef decltype(Lanes() < Lanes()) Mask; // what a comparison gives
 
+// Whether a CPU fuses the operations of a function, which begins with it; fused ones change last digits.
+#if defined(__CUDA_ARCH__)
+#define CONTRACT_FAST
+#define CONTRACT_OFF
+#else
+#define CONTRACT_FAST _Pragma("clang fp contract(fast)")
+#define CONTRACT_OFF _Pragma("clang fp contract(off)")
+#endif
+
 // Cells of `Lanes`, `Lanes` of a stored vector and of a tile of four stored vectors.
 static const int LANES = sizeof(Lanes) / sizeof(double);
 static const int OF_VECTOR = 8 / LANES;
@@ -47,6 +56,14 @@ WARPWEAR_FN int width_of_slot()
     return blockDim.x;
 #else
     return 1;
+#endif
+}
+
+// Wait for all threads of a slot: what they have read may change then.
+WARPWEAR_FN void wait_for_slot()
+{
+#if defined(__CUDA_ARCH__)
+    __syncthreads();
 #endif
 }
 
@@ -114,6 +131,14 @@ WARPWEAR_FN Counts one_if(Mask where)
     const Counts no = 0, yes = 1;
     return where ? yes : no;
 }
+
+template <bool IS> struct Is {
+    static const bool value = IS;
+};
+
+// Do something told by a type whether a condition holds.
+template <typename Do> WARPWEAR_FN void told(bool is, const Do& act)
+{ is ? act(Is<true>()) : act(Is<false>()); }
 
 // A row of a field as cells; of a field of one row that row serves all.
 template <typename Field> WARPWEAR_FN Stored* row_of(const Field& field, int row)
@@ -187,19 +212,21 @@ WARPWEAR_FN double sum_in_pairs(const double* v, int n)
     return sum;
 }
 
-// Sum and maximum of `columns` columns of a line of a table, from `first` on. Every thread of a deciding slot
-// calls them, and gets the number.
-template <typename Table> WARPWEAR_FN double sum_of_line(const Table& table, int line, int first, int columns)
+// The sum of n numbers. Every thread of a deciding slot calls it, and gets the number.
+WARPWEAR_FN double sum_of_numbers(const double* v, int n)
 {
-    const double* const v = &wp::index(table, line, first);
 #if defined(__CUDA_ARCH__)
     double sum = 0.0;
-    for (int i = threadIdx.x; i < columns; i += blockDim.x) sum += v[i];
+    for (int i = threadIdx.x; i < n; i += blockDim.x) sum += v[i];
     return reduce_slot(sum, true);
 #else
-    return sum_in_pairs(v, columns);
+    return sum_in_pairs(v, n);
 #endif
 }
+
+// Sum and maximum of `columns` columns of a line of a table, from `first` on, likewise.
+template <typename Table> WARPWEAR_FN double sum_of_line(const Table& table, int line, int first, int columns)
+{ return sum_of_numbers(&wp::index(table, line, first), columns); }
 
 template <typename Table>
 WARPWEAR_FN double most_of_line(const Table& table, int line, int first, int columns)
@@ -324,4 +351,28 @@ WARPWEAR_FN wp::vec_t<N, double> lines_of_table(const Table& table, int columns,
     for (int line = 0; line < lines; ++line) values[line] = total_of_line(table, line, columns, line < sums);
 #endif
     return values;
+}
+
+// Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.
+WARPWEAR_FN bool is_of_warp(int line)
+{
+#if defined(__CUDA_ARCH__)
+    return line % (blockDim.x / 32) == threadIdx.x / 32;
+#else
+    return true;
+#endif
+}
+
+WARPWEAR_FN bool is_first_of_warp() { return lane_of_slot() % 32 == 0; }
+
+// Bring every line of a table to one number, its sum or its largest. Every thread of a deciding slot calls
+// it.
+template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool adds, double* totals)
+{
+    for (int line = 0; line < table.shape[0]; ++line) {
+        if (!is_of_warp(line)) continue;
+        const double total = total_of_line(table, line, table.shape[1], adds);
+        if (is_first_of_warp()) totals[line] = total;
+    }
+    wait_for_slot();
 }

@@ -105,6 +105,7 @@ WARPWEAR_FN double stiffness_of(const Bend& bend) { return bend.stiffness; }
 
 template <typename Spring> constexpr bool is_straight = IS_STRAIGHT;
 template <> constexpr bool is_straight<Bend> = false;
+template <typename Spring> constexpr bool is_straight<const Spring&> = is_straight<Spring>;
 
 // By how much a pressure without bounds may change before the slope of a cell does: until it opens, closes or
 // reaches its cap.

@@ -3,14 +3,6 @@
 // Patches of cells on springs: what those of a patch carry, what a step wears off them, and what decisions
 // over patches need beside sums.
 
-// Wait for all threads of a slot: what they have read may change then.
-WARPWEAR_FN void wait_for_slot()
-{
-#if defined(__CUDA_ARCH__)
-    __syncthreads();
-#endif
-}
-
 // The number after v in the direction of `to`.
 WARPWEAR_FN double next_number(double v, double to)
 {
@@ -82,14 +74,10 @@ WARPWEAR_FN void on_springs_of(const Steps& steps, const Visit& visit)
     visit(bend, bend); // such steps do not look ahead
 }
 
-// What the cells of a patch carry at its trial approach. OWN: whether they have a stiffness each.
-template <bool OWN, typename Spring, typename Steps, typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_on(int patch, const Spring& alike, const Steps& steps, Curves& curves,
-                          const Surfaces& surfaces)
+// What the cells of a patch carry at its trial approach.
+template <typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_patch(int patch, int, const Steps& steps, Curves& curves, const Surfaces& surfaces)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(off)
-#endif
     const double cap = surfaces.cap, stiffness = wp::index(steps.now, 0).stiffness;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     if (!((base - wp::index(curves.lowest, patch)) + offset > 0.0)) {
@@ -100,43 +88,40 @@ WARPWEAR_FN void carry_on(int patch, const Spring& alike, const Steps& steps, Cu
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
     const Stored* const own = row_or_none(surfaces.cells.stiffness, patch);
-    const Lanes zero = 0.0;
-    Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
-    double beside = ABSENT; // of the tiles that are skipped
-    const auto reaches = [&](double low) {
-        const double overlap = (base - low) + offset;
-        if (!(overlap > 0.0)) beside = wp::min(beside, -overlap);
-        return overlap > 0.0;
+    const auto carry_on = [&](auto is_own, const auto& alike) {
+        CONTRACT_OFF
+        constexpr bool OWN = decltype(is_own)::value;
+        const Lanes zero = 0.0;
+        Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
+        double beside = ABSENT; // of the tiles that are skipped
+        const auto reaches = [&](double low) {
+            const double overlap = (base - low) + offset;
+            if (!(overlap > 0.0)) beside = wp::min(beside, -overlap);
+            return overlap > 0.0;
+        };
+        visit_patch(surfaces, patch, reaches, [&](int line, int place) {
+            const int i = line * of_line + place;
+            const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
+            const Lanes overlap = (base - Lanes(gap[i])) + offset;
+            const auto& spring = spring_at<OWN>(own, i, alike);
+            const Lanes q = on_spring(overlap, spring), p = clipped(q, most_here);
+            pressure += p;
+            Lanes slope = slope_on_spring(overlap, spring), near = to_bound(q, most_here, spring);
+            if (OWN) { // counted over the stiffness of all
+                slope *= stiffness_of(spring) / stiffness;
+                near = near / slope;
+            }
+            between += p > zero && q < most_here ? slope : zero;
+            nearest = nearest < near ? nearest : near;
+        });
+        store_partials(
+            {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
+             {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
+             {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
+        give_answer(curves.answer, patch, surfaces.trial, surfaces.cells_of_patch, stiffness);
     };
-    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
-        const int i = line * of_line + place;
-        const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
-        const Lanes overlap = (base - Lanes(gap[i])) + offset;
-        const auto& spring = spring_at<OWN>(own, i, alike);
-        const Lanes q = on_spring(overlap, spring), p = clipped(q, most_here);
-        pressure += p;
-        Lanes slope = slope_on_spring(overlap, spring), near = to_bound(q, most_here, spring);
-        if (OWN) { // counted over the stiffness of all
-            slope *= stiffness_of(spring) / stiffness;
-            near = near / slope;
-        }
-        between += p > zero && q < most_here ? slope : zero;
-        nearest = nearest < near ? nearest : near;
-    });
-    store_partials(
-        {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
-         {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
-         {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
-    give_answer(curves.answer, patch, surfaces.trial, surfaces.cells_of_patch, stiffness);
-}
-
-template <typename Steps, typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, int, const Steps& steps, Curves& curves, const Surfaces& surfaces)
-{
-    const bool own = surfaces.cells.stiffness.shape[0] > 0;
     on_springs_of(steps, [&](const auto& spring, const auto&) {
-        own ? carry_on<true>(patch, spring, steps, curves, surfaces)
-            : carry_on<false>(patch, spring, steps, curves, surfaces);
+        own ? carry_on(Is<true>(), spring) : carry_on(Is<false>(), spring);
     });
 }
 

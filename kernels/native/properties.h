@@ -9,9 +9,7 @@
 // The depth that a pressure wears off a body whose cells are alike [mm]. k: K ΔL [mm³/N].
 template <typename Real> WARPWEAR_FN Real removal_of(double k, Real p)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
+    CONTRACT_FAST
     return k * p;
 }
 
@@ -66,9 +64,7 @@ template <bool OWN, bool RARE, typename Removal>
 WARPWEAR_FN PerBody removal_of(const Removal& step, const CellRow& cells, int i, const PerBody& pressure,
                                const PerBody& worn, const PerBody& sheared)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(off)
-#endif
+    CONTRACT_OFF
     const Lanes one = 1.0;
     const Lanes k_counter = OWN && RARE ? own_or(cells.k_counter, i, one) : one;
     const Lanes k_disc = OWN ? k_disc_at<RARE>(cells, i) : one;

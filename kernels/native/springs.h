@@ -38,77 +38,88 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int vectors_per_row,
 #endif
 }
 
-// What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
-// that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
-// stiffness of their own; OWN_CAPS: whether they have a cap of their own. alike: stiffness, or `Bend`, of
-// all.
-template <bool OWN, bool OWN_CAPS, typename List, typename Count, typename Spring, typename Field,
-          typename Table>
-WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& counts, double base,
-                          double offset, double cap, const Spring& alike, const Field& gap_in,
-                          const Field& stiffness_in, const Field& cap_ratio_in, Table& trial)
-{
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(off)
-#endif
-    const int vectors_per_row = gap_in.shape[1] * OF_VECTOR;
-    const Lanes zero = 0.0;
-    Lanes pressure = 0.0, slope = 0.0, nearest = ABSENT;
-    for (int row = slot; row < gap_in.shape[0]; row += slots) {
-        const int listed = wp::index(counts, row);
-        if (listed == 0) continue;
-        const Stored* const gap = row_of(gap_in, row);
-        const Stored* const own = OWN ? row_of(stiffness_in, row) : nullptr;
-        const Stored* const cap_ratio = OWN_CAPS ? row_of(cap_ratio_in, row) : nullptr;
-        visit_listed(&wp::index(list, row, 0), listed, vectors_per_row, [&](const int (&at)[AT_ONCE]) {
-            Lanes g[AT_ONCE];
-#pragma unroll
-            for (int j = 0; j < AT_ONCE; ++j) g[j] = AT_ONCE == 1 || at[j] >= 0 ? Lanes(gap[at[j]]) : ABSENT;
-#pragma unroll
-            for (int j = 0; j < AT_ONCE; ++j) {
-                if (AT_ONCE > 1 && at[j] < 0) continue;
-                const auto& s = spring_at<OWN>(own, at[j], alike);
-                const Lanes most_here = OWN_CAPS ? Lanes(cap * cap_ratio[at[j]]) : Lanes(cap);
-                const Lanes overlap = (base - g[j]) + offset;
-                const Lanes q = on_spring(overlap, s), p = clipped(q, most_here);
-                pressure += p;
-                slope += p > zero && q < most_here ? stiffness_of(s) * slope_on_spring(overlap, s) : zero;
-                const Lanes near = to_bound(q, most_here, s);
-                nearest = nearest < near ? nearest : near;
-            }
-        });
-    }
-    store_partials({{total(pressure), &wp::index(trial, 0, slot), true},
-                    {total(slope), &wp::index(trial, 1, slot), true},
-                    {most(-nearest), &wp::index(trial, 2, slot), false}});
-}
-
-template <bool IS> struct Is {
-    static const bool value = IS;
-};
-
-// Do something told by a type whether a condition holds.
-template <typename Do> WARPWEAR_FN void told(bool is, const Do& act)
-{ is ? act(Is<true>()) : act(Is<false>()); }
-
-// The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
+// What cells carry at the approach of a search: the sum of the pressures, of the stiffnesses of the cells
+// that are neither open nor capped, and how near one is to changing that [MPa]. A field of no rows says that
+// the cells share one stiffness, or that all bear the cap.
 template <typename List, typename Count, typename Springs, typename Field>
 WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, Springs& springs,
-                       const Field& gap, const Field& stiffness, const Field& cap_ratio)
+                       const Field& gaps, const Field& stiffnesses, const Field& cap_ratios)
 {
     const auto& search = wp::index(springs.search, 0);
-    const auto by = [&](auto own, auto own_caps, const auto& alike) {
-        carry_by<decltype(own)::value, decltype(own_caps)::value>(slot, slots, list, counts, search.base,
-                                                                  search.bracket.offset, springs.cap, alike,
-                                                                  gap, stiffness, cap_ratio, springs.trial);
+    const double base = search.base, offset = search.bracket.offset, cap = springs.cap;
+    const auto by = [&](auto own_each, auto own_cap, const auto& alike) {
+        CONTRACT_OFF
+        constexpr bool OWN = decltype(own_each)::value, OWN_CAPS = decltype(own_cap)::value;
+        const int vectors_per_row = gaps.shape[1] * OF_VECTOR;
+        const Lanes zero = 0.0;
+        Lanes pressure = 0.0, slope = 0.0, nearest = ABSENT;
+        for (int row = slot; row < gaps.shape[0]; row += slots) {
+            const int listed = wp::index(counts, row);
+            if (listed == 0) continue;
+            const Stored* const gap = row_of(gaps, row);
+            const Stored* const own = OWN ? row_of(stiffnesses, row) : nullptr;
+            const Stored* const cap_ratio = OWN_CAPS ? row_of(cap_ratios, row) : nullptr;
+            visit_listed(&wp::index(list, row, 0), listed, vectors_per_row, [&](const int (&at)[AT_ONCE]) {
+                Lanes g[AT_ONCE];
+#pragma unroll
+                for (int j = 0; j < AT_ONCE; ++j)
+                    g[j] = AT_ONCE == 1 || at[j] >= 0 ? Lanes(gap[at[j]]) : ABSENT;
+#pragma unroll
+                for (int j = 0; j < AT_ONCE; ++j) {
+                    if (AT_ONCE > 1 && at[j] < 0) continue;
+                    const auto& s = spring_at<OWN>(own, at[j], alike);
+                    const Lanes most_here = OWN_CAPS ? Lanes(cap * cap_ratio[at[j]]) : Lanes(cap);
+                    const Lanes overlap = (base - g[j]) + offset;
+                    const Lanes q = on_spring(overlap, s), p = clipped(q, most_here);
+                    pressure += p;
+                    slope += p > zero && q < most_here ? stiffness_of(s) * slope_on_spring(overlap, s) : zero;
+                    const Lanes near = to_bound(q, most_here, s);
+                    nearest = nearest < near ? nearest : near;
+                }
+            });
+        }
+        store_partials({{total(pressure), &wp::index(springs.trial, 0, slot), true},
+                        {total(slope), &wp::index(springs.trial, 1, slot), true},
+                        {most(-nearest), &wp::index(springs.trial, 2, slot), false}});
     };
-    const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
-    const bool own_caps = cap_ratio.shape[0] > 0;
-    const Lanes alike = search.stiffness;
+    const bool bends = springs.bends.knots.shape[0] > 0, is_own = stiffnesses.shape[0] > 0;
+    const bool own_caps = cap_ratios.shape[0] > 0;
+    const Lanes stiffness = search.stiffness;
     told(own_caps, [&](auto caps) {
         if (bends) return by(Is<false>(), caps, bend_of(springs.bends));
-        told(own, [&](auto one_each) { by(one_each, caps, alike); });
+        told(is_own, [&](auto one_each) { by(one_each, caps, stiffness); });
     });
+}
+
+// The pressure of a cell by the law that a search has left; fields as of `carry`. One that bears a part of
+// the cap does so also where it is tied with the approach.
+template <typename Springs, typename Field>
+WARPWEAR_FN double pressure_at(const Springs& springs, const Field& gaps, const Field& stiffnesses,
+                               const Field& cap_ratios, int row, int column)
+{
+    const auto at = [&](const Field& field) { return ((const double*)row_of(field, row))[column]; };
+    auto law = wp::index(springs.law, 0);
+    const double ratio = cap_ratios.shape[0] > 0 ? at(cap_ratios) : 1.0;
+    law.cap *= ratio;
+    law.tie_pressure *= ratio;
+    if (springs.bends.knots.shape[0] > 0) return pressure_by(law, at(gaps), bend_of(springs.bends));
+    const double alike = wp::index(springs.search, 0).stiffness;
+    return pressure_by(law, at(gaps), stiffnesses.shape[0] > 0 ? at(stiffnesses) : alike);
+}
+
+// Store those of the cells of the tiles listed.
+template <typename List, typename Count, typename Springs, typename Field>
+WARPWEAR_FN void press(int slot, int slots, const List& list, const Count& counts, const Springs& springs,
+                       const Field& gaps, const Field& stiffnesses, const Field& cap_ratios, Field& pressures)
+{
+    const int of_tile = OF_TILE * LANES, columns = gaps.shape[1] * OF_VECTOR * LANES;
+    for (int row = slot; row < gaps.shape[0]; row += slots)
+        for (int n = lane_of_slot(); n < wp::index(counts, row) * of_tile; n += width_of_slot()) {
+            const int column = wp::index(list, row, n / of_tile) * of_tile + n % of_tile;
+            if (column < columns)
+                ((double*)row_of(pressures, row))[column] =
+                    pressure_at(springs, gaps, stiffnesses, cap_ratios, row, column);
+        }
 }
 
 // Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,
@@ -171,9 +182,7 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
                 }
             });
     }
-#if defined(__CUDA_ARCH__)
-    __syncthreads();
-#endif
+    wait_for_slot();
     const double filled = places;
     store_partials({{total(below), &wp::index(springs.trial, 0, slot), true},
                     {most(-lowest), &wp::index(springs.trial, 1, slot), false},

@@ -22,9 +22,7 @@ template <typename Spring>
 WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spring, const Spring& next_spring,
                             Lanes g, Lanes unworn, Lanes cap, Counts& touches)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
+    CONTRACT_FAST
     const Lanes zero = 0.0;
     Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), spring), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
@@ -195,32 +193,6 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     store_wear<Lanes>(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
 }
 
-// Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.
-WARPWEAR_FN bool is_of_warp(int line)
-{
-#if defined(__CUDA_ARCH__)
-    return line % (blockDim.x / 32) == threadIdx.x / 32;
-#else
-    return true;
-#endif
-}
-
-WARPWEAR_FN bool is_first_of_warp() { return lane_of_slot() % 32 == 0; }
-
-// Bring every line of a table to one number, its sum or its largest. Every thread of a deciding slot calls
-// it.
-template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool adds, double* totals)
-{
-    for (int line = 0; line < table.shape[0]; ++line) {
-        if (!is_of_warp(line)) continue;
-        const double total = total_of_line(table, line, table.shape[1], adds);
-        if (is_first_of_warp()) totals[line] = total;
-    }
-#if defined(__CUDA_ARCH__)
-    __syncthreads();
-#endif
-}
-
 // Bring the tables of a step to numbers likewise, all lines at once: sums and maxima to a row of the history,
 // and what was looked at ahead, two sums and a maximum, to what is returned.
 template <typename Tables> WARPWEAR_FN wp::vec_t<3, double> total_step(const Tables& tables, double* totals)
@@ -242,8 +214,6 @@ template <typename Tables> WARPWEAR_FN wp::vec_t<3, double> total_step(const Tab
             total = total_of_line(tables.ahead, line - lines, tables.ahead.shape[1], line - lines < 2);
         if (is_first_of_warp()) *(line < lines ? totals + line : ahead + line - lines) = total;
     }
-#if defined(__CUDA_ARCH__)
-    __syncthreads();
-#endif
+    wait_for_slot();
     return wp::vec_t<3, double>(ahead[0], ahead[1], ahead[2]);
 }

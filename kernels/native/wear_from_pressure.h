@@ -12,9 +12,7 @@ WARPWEAR_FN void make_gaps(int slot, int slots, const Slides& slides, const Bodi
                            const Sources& sources, const Properties& cells, const Field& means,
                            const Field& gaps)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
+    CONTRACT_FAST
     const auto& slide = wp::index(slides, 0);
     const int vectors_per_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
     const double shear_depth = slide.removal.shear_counter + slide.removal.shear_disc,
@@ -67,143 +65,145 @@ WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const P
 //
 // Where the pressure moves with the counter-body, that sees p, and the disc the mean. Cells with slips of
 // their own lose more by them, K dL over the distance of a cycle times p times the slip, and slip by more
-// then. OWN: whether cells have anything of their own.
-template <bool OWN, typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
+// then.
+template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
           typename Table>
-WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                        const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
-                                        Table& sums, Table& maxima)
+WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
+                                  const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
+                                  Table& sums, Table& maxima)
 {
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
-    const auto& slide = wp::index(slides, 0);
-    const auto wear = slide.removal; // a loop over cells need not read it again
-    const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
-    const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
-    const bool has_disc = bodies.disc.shape[0] > 0;
-    const bool shears = pressed.sheared.shape[0] > 0;
-    const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
-    const bool slips = pressed.slips.shape[0] > 0;
-    const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
-    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.growth_ahead;
-    const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
-    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
-    Sums<PressureSum> summed;
-    Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
-    double first_row = NO_INDEX, last_row = NO_INDEX;
-    for (int row = slot; row < slide.rows; row += slots) {
-        const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
-        const Stored *const p_of = row_of(pressed.pressure, row), *const target =
-                                                                      row_of(pressed.gradient, row);
-        const bool bends = pressed.on_counter.shape[0] > 0; // K goes with the pressure
-        const Stored* const passing = bends ? row_of(pressed.on_counter, row)
-                                            : mean_of(pressed.pressure, pressed.means, row, slide.window);
-        const bool turned = slide.counter_moves == 1;
-        const Stored* const own_disc = bends ? row_of(pressed.on_disc, row) : p_of;
-        const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
-                                                                        turned ? passing : own_disc;
-        Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
-        Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
-        const CellRow own(pressed.cells, row);
-        const Stored* const sheared_here = shears ? row_of(pressed.sheared, row) : nullptr;
-        const Stored* const sheared_passing =
-            shears ? mean_of(pressed.sheared, pressed.sheared_means, row, slide.window) : nullptr;
-        const Stored* const sheared_counter = turned ? sheared_here : sheared_passing;
-        const Stored* const sheared_disc = turned ? sheared_passing : sheared_here;
-        Stored *const counter = row_of(bodies.counter, row), *const wear_counter =
-                                                                 row_of(bodies.wear_counter, row);
-        Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
-        Stored* const disc = has_disc ? row_of(bodies.disc, under) : nullptr;
-        Stored* const wear_disc = has_disc ? row_of(bodies.wear_disc, under) : nullptr;
-        Stored* const plastic = keeps ? row_of(bodies.plastic_disc, under) : nullptr;
-        const int domain_row = wp::index(layout.first_row, row);
-        const int domain_column = wp::index(layout.first_column, row);
-        Lanes worn_disc = 0.0, pressed_disc = 0.0;
-        for (int line = 0; line < lines; ++line) {
-            Mask in_line = zero > one;
-            for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
-                const int i = line * of_line + v;
-                const Lanes p = p_of[i], m = over_counter[i];
-                const PerBody sheared = {shears ? (Lanes)sheared_counter[i] : zero,
-                                         shears ? (Lanes)sheared_disc[i] : zero};
-                const PerBody before = {wear_counter[i], has_disc ? (Lanes)wear_disc[i] : zero};
-                const PerBody lost = removal_of<OWN, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
-                Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
-                const Lanes was = shows ? wear_counter[i] : reached[i];
-                const Lanes most_here = cap * (OWN ? own_or(own.cap_ratio, i, one) : one);
-                if (slips) {
-                    const Lanes slides_by = slip_ahead(slip[i], grown[i], ahead);
-                    by_slip = p * slides_by;
-                    s += more_counter * by_slip;
-                    a += more_counter * by_slip;
-                    summed.of(PressureSum::SLIP_WORK) += by_slip;
-                    const Mask sticks = (p > zero) & (slides_by <= zero);
-                    summed.counted(PressureSum::STUCK) += one_if(sticks);
-                    const Lanes grows = slip_of_gap * (more_counter + more_disc) * by_slip;
-                    slip[i] = slip[i] + grows;
-                    grown[i] = grows;
+    told(CellRow(pressed.cells, 0).has_own(), [&](auto is_own) {
+        CONTRACT_FAST
+        constexpr bool OWN = decltype(is_own)::value;
+        const auto& slide = wp::index(slides, 0);
+        const auto wear = slide.removal; // a loop over cells need not read it again
+        const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
+        const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
+        const bool has_disc = bodies.disc.shape[0] > 0;
+        const bool shears = pressed.sheared.shape[0] > 0;
+        const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
+        const bool slips = pressed.slips.shape[0] > 0;
+        const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
+        const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.growth_ahead;
+        const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
+        const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
+        Sums<PressureSum> summed;
+        Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
+        double first_row = NO_INDEX, last_row = NO_INDEX;
+        for (int row = slot; row < slide.rows; row += slots) {
+            const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
+            const Stored *const p_of = row_of(pressed.pressure, row), *const target =
+                                                                          row_of(pressed.gradient, row);
+            const bool bends = pressed.on_counter.shape[0] > 0; // K goes with the pressure
+            const Stored* const passing = bends ? row_of(pressed.on_counter, row)
+                                                : mean_of(pressed.pressure, pressed.means, row, slide.window);
+            const bool turned = slide.counter_moves == 1;
+            const Stored* const own_disc = bends ? row_of(pressed.on_disc, row) : p_of;
+            const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
+                                                                            turned ? passing : own_disc;
+            Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
+            Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
+            const CellRow own(pressed.cells, row);
+            const Stored* const sheared_here = shears ? row_of(pressed.sheared, row) : nullptr;
+            const Stored* const sheared_passing =
+                shears ? mean_of(pressed.sheared, pressed.sheared_means, row, slide.window) : nullptr;
+            const Stored* const sheared_counter = turned ? sheared_here : sheared_passing;
+            const Stored* const sheared_disc = turned ? sheared_passing : sheared_here;
+            Stored *const counter = row_of(bodies.counter, row), *const wear_counter =
+                                                                     row_of(bodies.wear_counter, row);
+            Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
+            Stored* const disc = has_disc ? row_of(bodies.disc, under) : nullptr;
+            Stored* const wear_disc = has_disc ? row_of(bodies.wear_disc, under) : nullptr;
+            Stored* const plastic = keeps ? row_of(bodies.plastic_disc, under) : nullptr;
+            const int domain_row = wp::index(layout.first_row, row);
+            const int domain_column = wp::index(layout.first_column, row);
+            Lanes worn_disc = 0.0, pressed_disc = 0.0;
+            for (int line = 0; line < lines; ++line) {
+                Mask in_line = zero > one;
+                for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
+                    const int i = line * of_line + v;
+                    const Lanes p = p_of[i], m = over_counter[i];
+                    const PerBody sheared = {shears ? (Lanes)sheared_counter[i] : zero,
+                                             shears ? (Lanes)sheared_disc[i] : zero};
+                    const PerBody before = {wear_counter[i], has_disc ? (Lanes)wear_disc[i] : zero};
+                    const PerBody lost =
+                        removal_of<OWN, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
+                    Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
+                    const Lanes was = shows ? wear_counter[i] : reached[i];
+                    const Lanes most_here = cap * (OWN ? own_or(own.cap_ratio, i, one) : one);
+                    if (slips) {
+                        const Lanes slides_by = slip_ahead(slip[i], grown[i], ahead);
+                        by_slip = p * slides_by;
+                        s += more_counter * by_slip;
+                        a += more_counter * by_slip;
+                        summed.of(PressureSum::SLIP_WORK) += by_slip;
+                        const Mask sticks = (p > zero) & (slides_by <= zero);
+                        summed.counted(PressureSum::STUCK) += one_if(sticks);
+                        const Lanes grows = slip_of_gap * (more_counter + more_disc) * by_slip;
+                        slip[i] = slip[i] + grows;
+                        grown[i] = grows;
+                    }
+                    counter[i] = s;
+                    wear_counter[i] = a;
+                    summed.of(PressureSum::PRESSURE) += p;
+                    const Lanes away = p > zero ? p - reference : zero;
+                    summed.of(PressureSum::DEVIATION_SQUARED) += away * away;
+                    summed.counted(PressureSum::CONTACT) += one_if(p > zero);
+                    summed.counted(PressureSum::CAPPED) += one_if(p >= most_here);
+                    summed.of(PressureSum::WEAR_COUNTER) += a;
+                    if (OWN && own.material)
+                        summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
+                    highest = larger_of(highest, p);
+                    deepest_counter = larger_of(deepest_counter, a);
+                    if (shears) summed.of(PressureSum::RUBBED) += (Lanes)sheared_here[i];
+                    const Mask ever = m + was + wear.shear_counter * sheared.counter > zero;
+                    const Lanes column = columns_from(domain_column + v * LANES);
+                    summed.counted(PressureSum::TOUCHED) += one_if(ever);
+                    in_line = in_line | ever;
+                    first = larger_of(first, ever ? -column : none);
+                    last = larger_of(last, ever ? column : none);
+                    if (!shows) reached[i] = ever ? one : zero;
+                    if (!has_disc) continue;
+                    Lanes d = disc[i];
+                    if (keeps) {
+                        Lanes beyond = p >= most_here ? approach - target[i] : zero;
+                        beyond = larger_of(beyond, zero);
+                        d -= beyond;
+                        const Lanes x = plastic[i] + beyond;
+                        plastic[i] = x;
+                        pressed_disc += x;
+                    }
+                    Lanes b = wear_disc[i] + lost.disc, e = d - lost.disc;
+                    if (slips) {
+                        b += more_disc * by_slip;
+                        e -= more_disc * by_slip;
+                    }
+                    disc[i] = e;
+                    wear_disc[i] = b;
+                    worn_disc += b;
+                    deepest_disc = larger_of(deepest_disc, b);
                 }
-                counter[i] = s;
-                wear_counter[i] = a;
-                summed.of(PressureSum::PRESSURE) += p;
-                const Lanes away = p > zero ? p - reference : zero;
-                summed.of(PressureSum::DEVIATION_SQUARED) += away * away;
-                summed.counted(PressureSum::CONTACT) += one_if(p > zero);
-                summed.counted(PressureSum::CAPPED) += one_if(p >= most_here);
-                summed.of(PressureSum::WEAR_COUNTER) += a;
-                if (OWN && own.material)
-                    summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
-                highest = larger_of(highest, p);
-                deepest_counter = larger_of(deepest_counter, a);
-                if (shears) summed.of(PressureSum::RUBBED) += (Lanes)sheared_here[i];
-                const Mask ever = m + was + wear.shear_counter * sheared.counter > zero;
-                const Lanes column = columns_from(domain_column + v * LANES);
-                summed.counted(PressureSum::TOUCHED) += one_if(ever);
-                in_line = in_line | ever;
-                first = larger_of(first, ever ? -column : none);
-                last = larger_of(last, ever ? column : none);
-                if (!shows) reached[i] = ever ? one : zero;
-                if (!has_disc) continue;
-                Lanes d = disc[i];
-                if (keeps) {
-                    Lanes beyond = p >= most_here ? approach - target[i] : zero;
-                    beyond = larger_of(beyond, zero);
-                    d -= beyond;
-                    const Lanes x = plastic[i] + beyond;
-                    plastic[i] = x;
-                    pressed_disc += x;
+                if (any(in_line)) {
+                    first_row = wp::max(first_row, -double(domain_row + line));
+                    last_row = wp::max(last_row, double(domain_row + line));
                 }
-                Lanes b = wear_disc[i] + lost.disc, e = d - lost.disc;
-                if (slips) {
-                    b += more_disc * by_slip;
-                    e -= more_disc * by_slip;
-                }
-                disc[i] = e;
-                wear_disc[i] = b;
-                worn_disc += b;
-                deepest_disc = larger_of(deepest_disc, b);
             }
-            if (any(in_line)) {
-                first_row = wp::max(first_row, -double(domain_row + line));
-                last_row = wp::max(last_row, double(domain_row + line));
+            if (has_disc) {
+                const double worn = reduce_slot(total(worn_disc), true);
+                if (lane_of_slot() == 0) wp::index(row_sums.worn_disc, under) = worn;
+            }
+            if (keeps) {
+                const double dents = reduce_slot(total(pressed_disc), true);
+                if (lane_of_slot() == 0) wp::index(row_sums.pressed_disc, under) = dents;
             }
         }
-        if (has_disc) {
-            const double worn = reduce_slot(total(worn_disc), true);
-            if (lane_of_slot() == 0) wp::index(row_sums.worn_disc, under) = worn;
-        }
-        if (keeps) {
-            const double dents = reduce_slot(total(pressed_disc), true);
-            if (lane_of_slot() == 0) wp::index(row_sums.pressed_disc, under) = dents;
-        }
-    }
-    Partial partials[Sums<PressureSum>::LINES];
-    summed.list(partials, sums, slot);
-    store_partials(partials);
-    store_lines(maxima, slot, 0,
-                {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
-                 most(last)});
+        Partial partials[Sums<PressureSum>::LINES];
+        summed.list(partials, sums, slot);
+        store_partials(partials);
+        store_lines(maxima, slot, 0,
+                    {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row,
+                     most(first), most(last)});
+    });
 }
 
 // The pressures that wear counter-body and disc at their K of a step, where that goes with the pressure; and
@@ -268,17 +268,4 @@ WARPWEAR_FN void linearise(int slot, int slots, const Bends& bends, double keeps
             row_of(far, row)[i] = beyond;
         }
     store_most(off, 0, slot, most(largest));
-}
-
-// The same, told whether cells have anything of their own.
-template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
-          typename Table>
-WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                  const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
-                                  Table& sums, Table& maxima)
-{
-    if (CellRow(pressed.cells, 0).has_own())
-        wear_cells_by_pressure<true>(slot, slots, slides, layout, pressed, bodies, row_sums, sums, maxima);
-    else
-        wear_cells_by_pressure<false>(slot, slots, slides, layout, pressed, bodies, row_sums, sums, maxima);
 }

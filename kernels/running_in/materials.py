@@ -8,8 +8,8 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import FIELD, OF_CELLS, TABLE, Sources
+from warpwear.kernels.native_code import total_of
 from warpwear.kernels.sliding import SLIDES, SOLVED, Slide
-from warpwear.kernels.wear import total_of
 from warpwear.kernels.wear_from_pressure import Pressed
 
 native_pass = native_code.passes_of(__name__, "running_in/materials.h", "wear.h")

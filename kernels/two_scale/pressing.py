@@ -8,7 +8,7 @@ from warpwear.kernels.native_code import lane, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS, MET, STUCK, Bracket, bracket_at, next_trial
 from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, wait_for_slot
 from warpwear.kernels.two_scale.sharing import Flags, SharedLoad, SharingSearch, set_flags
-from warpwear.kernels.two_scale.steps import Courses, Steps, first_guess, flexibility_of, guess_of, next_step
+from warpwear.kernels.two_scale.steps import Steps, first_guess, flexibility_of, guess_of, next_step
 
 wp.set_module_options(native_code.options("patches.h"))
 
@@ -90,7 +90,7 @@ def press_smoothly(smooth: Smooth, load: SharedLoad, step: wp.array(dtype=wp.flo
 
 
 @wp.kernel
-def begin(steps: Steps, curves: Curves, courses: Courses, smooth: Smooth, brackets: wp.array(dtype=Bracket)):
+def begin(steps: Steps, curves: Curves, smooth: Smooth, brackets: wp.array(dtype=Bracket)):
     """Begin a step whose loads a smooth contact prescribes: a search of every patch."""
     trend = steps.memory[0].trend
     now = next_step(steps)

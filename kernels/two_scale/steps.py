@@ -7,7 +7,7 @@ import warp as wp
 from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
 from warpwear.kernels.contact import Bends
 from warpwear.kernels.foresight import Trend, foreseen_step, learnt
-from warpwear.kernels.native_code import lane, most_of, sum_of, width
+from warpwear.kernels.native_code import lane, total_of, width
 from warpwear.kernels.newton import HALF, LOOKS
 from warpwear.kernels.two_scale.curves import PRESSURE, TOGETHER, Curves, wait_for_slot
 from warpwear.kernels.two_scale.sharing import Flags, SharedLoad, SharingSearch, search_from, set_flags
@@ -212,15 +212,8 @@ def end(steps: Steps, curves: Curves, courses: Courses, books: Books):
         books.loads[row, k] = books.sums[WearSum.PRESSURE, k] * of_cell
         books.areas[row, k] = books.sums[WearSum.CONTACT, k] * of_cell
     sums = books.sums.shape[0]
-    for line in range(sums):
-        total = sum_of(books.sums, line)
-        if lane() == 0:
-            books.rows[row, FIRST + line] = total
-    for line in range(books.maxima.shape[0]):
-        largest = most_of(books.maxima, line)
-        if lane() == 0:
-            books.rows[row, FIRST + sums + line] = largest
-    wait_for_slot()
+    total_of(books.sums, 1, books.rows, row, FIRST)
+    total_of(books.maxima, 0, books.rows, row, FIRST + sums)
     if lane() == 0:
         books.rows[row, 0] = s.common_base
         books.rows[row, 1] = s.bracket.offset

@@ -11,12 +11,6 @@
 // Rounding of a sum of two numbers, relatively.
 static const double ROUNDING_OF_SUM = 4.0e-16;
 
-#if defined(__CUDA_ARCH__)
-#define CONTRACT_FAST
-#else
-#define CONTRACT_FAST _Pragma("clang fp contract(fast)")
-#endif
-
 // Where the cells of a row lie, and their caps.
 struct SearchRow {
     Stored *pressure, *gradient, *trial, *step, *response;

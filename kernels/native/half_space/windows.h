@@ -59,25 +59,14 @@ template <typename Lap> WARPWEAR_FN void take_lap(int slot, int slots, const Lap
     const double ahead = lap.ahead.data[0], cap = lap.cap;
     const Lanes zero = 0.0, most = cap;
     for (int row = slot; row < lap.pressure.shape[0]; row += slots) {
-        const int there = lap.first.data[0] + row, offset = lap.first.data[1] * OF_VECTOR;
-        const Stored* const last = row_of(lap.laps, there) + offset;
-        const Stored* const before = row_of(lap.laps, lap.first.data[2] + row) + offset;
+        const int offset = lap.first.data[1] * OF_VECTOR;
+        const Stored* const before = row_of(lap.laps, lap.first.data[0] + row) + offset;
+        const Stored* const last = row_of(lap.laps, lap.first.data[2] + row) + offset;
         Stored* const here = row_of(lap.pressure, row);
         for (int i = lane_of_slot(); i < lap.pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
             const Lanes p = last[i], q = p + ahead * (p - before[i]);
             here[i] = p > zero ? smaller_of(larger_of(q, zero), most) : zero;
         }
-    }
-}
-
-// Keep the pressure of a place where that of the lap before the last is, which is the last one from now on.
-template <typename Lap> WARPWEAR_FN void keep_lap(int slot, int slots, const Lap& lap)
-{
-    for (int row = slot; row < lap.pressure.shape[0]; row += slots) {
-        Stored* const there = row_of(lap.laps, lap.first.data[2] + row) + lap.first.data[1] * OF_VECTOR;
-        const Stored* const here = row_of(lap.pressure, row);
-        for (int i = lane_of_slot(); i < lap.pressure.shape[1] * OF_VECTOR; i += width_of_slot())
-            there[i] = here[i];
     }
 }
 

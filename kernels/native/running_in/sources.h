@@ -10,17 +10,6 @@
 // 1/c of cells that do not yield [N/mm³].
 static const double RIGID = 1.0e300;
 
-// The same of each lane.
-template <typename Do> WARPWEAR_FN Lanes each_lane(Lanes v, const Do& of)
-{
-#if defined(__CUDA_ARCH__)
-    return of(v);
-#else
-    for (int j = 0; j < LANES; ++j) v[j] = of(v[j]);
-    return v;
-#endif
-}
-
 // 1/c of cells in an implicit step: their own compliance and the wear of both bodies. A curve without a scale
 // bears everywhere.
 template <typename Slide, typename Sources, typename Properties>

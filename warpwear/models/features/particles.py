@@ -14,7 +14,7 @@ from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
-from warpwear.kernels.cells import LANES
+from warpwear.kernels.cells import LANES, PieceCount
 from warpwear.kernels.running_in import pieces as kernels
 from warpwear.kernels.running_in import shedding
 from warpwear.kernels.sliding import Slide
@@ -63,9 +63,9 @@ class Pending:
             height=as_numbers(height, shape),
             wear=as_numbers(self._wear, shape),
             pending=as_numbers(self.pending, shape),
-            **dict.fromkeys(("sums", "candidates", "due", "overflow"), math.prod(shape)),
+            **dict.fromkeys(("sums", "candidates", "due", "waiting"), math.prod(shape)),
             peaks=self.most,
-            counts=kernels.COUNTS,
+            counts=len(PieceCount),
             of_rows=(3, rows),
             down=1.0 if number == 0 else -1.0,
             number=number,
@@ -75,29 +75,29 @@ class Pending:
         self._of_rows: Field = self.body.of_rows
         every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
-        self._count(int(kernels.OVERFLOW_BEFORE), 1)
+        self._count(PieceCount.WAITED, 1)
         every.launch(
             shedding.total_rows,
             *(whole.array, footprint, self.body, self._wear, self.pending),
             slots=executor.slots_of(rows),
         )
         every.run()
-        self._count(int(kernels.OVERFLOW_BEFORE), 0)
+        self._count(PieceCount.WAITED, 0)
         self.body.start = float(self._of_rows.numpy()[1].sum())
 
     @property
     def overflow(self) -> "np.ndarray[Any, Any]":
         """Cells that are due since the rounds of a step were not enough, by index; may be set."""
-        count = int(self.body.counts.numpy()[int(kernels.OVERFLOW)])
-        cells: np.ndarray[Any, Any] = np.sort(self.body.overflow.numpy()[:count])
+        count = int(self.body.counts.numpy()[PieceCount.WAITING])
+        cells: np.ndarray[Any, Any] = np.sort(self.body.waiting.numpy()[:count])
         return cells
 
     @overflow.setter
     def overflow(self, cells: "np.ndarray[Any, Any]") -> None:
-        host = self.body.overflow.numpy()
+        host = self.body.waiting.numpy()
         host[: cells.size] = cells
-        self.body.overflow.assign(host)
-        self._count(int(kernels.OVERFLOW), cells.size)
+        self.body.waiting.assign(host)
+        self._count(PieceCount.WAITING, cells.size)
 
     def add_shed(self, program: Program, slides: Field, release: Arguments, line: tuple[Field, int]) -> None:
         """Add to a program that pieces leave which are due, and what the body has lost then.
@@ -190,7 +190,7 @@ class SlidingParticles(Feature, name="particles"):
     def before_search(self, program: Program, place: Place) -> None:
         """Add the beginning of a step: what waits since the last one is looked at."""
         for body in self.both:
-            program.launch(kernels.list_overflow, body.body, **self._alone)
+            program.launch(kernels.list_waiting, body.body, **self._alone)
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add that the wear by a stored pressure, or by that of the tiles listed, becomes pending."""
@@ -198,8 +198,8 @@ class SlidingParticles(Feature, name="particles"):
             pressure = place.pressed.pressure
             program.launch(kernels.take_field, place.slides, self._both, pressure, **self._alone)
             return
-        contact = place.springs, *place.listed, place.cells, place.bodies.gap
-        program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
+        contact = *place.listed, place.slides, place.springs, self._both, place.cells, place.bodies.gap
+        program.launch(kernels.take_tiles, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:
         """Add that the pieces of a step leave; the loop over steps ends where their table is full."""

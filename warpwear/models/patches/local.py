@@ -140,7 +140,7 @@ class TwoScaleModel(Model):
             program.decide(kernels.begin, *state)
             self.sharing.add_to(program, evaluate)
             return
-        program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
+        program.decide(pressing.begin, self._steps, curves, smooth.smooth, smooth.brackets)
         smooth.add_to(program, self.sharing, evaluate)
 
     def _add_wear(self, program: Program) -> None:

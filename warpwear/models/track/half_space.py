@@ -115,7 +115,7 @@ class SlidingHalfSpace:
         self.features = Features.of(task, executor, self.state.fields, **site)
         #: That which the next step asks: until a cell can reach another material, none of materials.
         self._asked, self._unreached = self.features, self.features.without("materials")
-        if self._caps["cap_ratio"] is not None or self.features.yields is not None:
+        if self._caps["cap_ratio"] is not None or self.features.value_of("yields") is not None:
             executor.foresee([passes.bound])
         #: The gap, and a mean along x.
         has_means = moves or self.features.moves_pressure
@@ -291,7 +291,7 @@ class SlidingHalfSpace:
         first, caps, anew = parts[0], self._caps, start == NOTHING
         rows = self.cells_passing(first.increment)
         about = {"load": self.task.load, "rows": rows, "least": caps["least_cap_ratio"]}
-        own = {"cap_ratio": caps["cap_ratio"], "yields": self._asked.yields}
+        own = {"cap_ratio": caps["cap_ratio"], "yields": self._asked.value_of("yields")}
         stay = self._half_space.stay(self.gap, self.state.counter, anew=anew, **about, **own)
         if stay is None:
             return 0, None
@@ -310,7 +310,7 @@ class SlidingHalfSpace:
             if self.length.trial is None:
                 lap = self._starts.lap_of(place, way.end, start, keeps=keeps)
             last, before = (row + stay.box[0] for row in (lap.row, lap.row_before))
-            starts.append((last, stay.box[2] // LANES, before, lap.ahead is not None, lap.keeps))
+            starts.append((before, stay.box[2] // LANES, last, lap.ahead is not None, lap.keeps))
             ahead.append(lap.ahead or 0.0)
         from_nothing = anew or not stay.here.solver.started, anew
         self._step_program.set(group, self._requested[1], starts, ahead, anew=from_nothing)
@@ -369,7 +369,7 @@ class SlidingHalfSpace:
                 compliance=own,
                 streak_compliance=along,
                 streak_window=self.cells_passing(part.increment),
-                yields=self._asked.yields,
+                yields=self._asked.value_of("yields"),
                 certified=certified,
             )
         else:
@@ -511,8 +511,8 @@ class SlidingHalfSpace:
     def cells_passing(self, increment: float) -> int:
         """Return the cells of the disc that pass one of the ball in an increment [mm]; under a flat all."""
         grid = self._executor.grid
-        if self._asked.window is not None:
-            return self._asked.window
+        if self._asked.value_of("window") is not None:
+            return self._asked.value_of("window")
         if not self._moves:
             return 1
         if self.task.form.is_flat:

@@ -106,17 +106,16 @@ class StepProgram:
         lap.pressure = here.solver.pressure_field
         solve, (add_gaps, add_wear, add_after) = stay.search.arguments, self._adds
 
-        def flag(which: PartFlag) -> Field:
-            return parts.flags[which : which + 1]
-
-        with program.loop(flag(PartFlag.GOES_ON)):
+        with program.loop(parts.flags, PartFlag.GOES_ON):
             program.decide(kernels.begin_part, parts, slides, solve, lap)
             add_gaps(program)
-            stay.add_to(program, lap, flag(PartFlag.FROM_LAP))
+            stay.add_to(program, lap, parts.flags, PartFlag.FROM_LAP)
             program.decide(kernels.settle, parts, slides, solve, stay.extents)
-            with program.branch(flag(PartFlag.WEARS)):
+            with program.branch(parts.flags, PartFlag.WEARS):
                 add_wear(program)
-                with program.branch(flag(PartFlag.KEEPS)):
-                    here.add(program, passes.keep_lap, lap)
+                with program.branch(parts.flags, PartFlag.KEEPS):
+                    # Instead of that of the lap before the last.
+                    keeps = {"field": lap.pressure, "target": lap.laps, "first": lap.first}
+                    here.add(program, passes.give_window, arguments(passes.Transfer, **keeps))
                 program.decide(kernels.book_part, parts, slides, solve, *self._tables)
                 add_after(program)
