@@ -62,21 +62,21 @@ class FourierPlan:
 #: What transforms take: their plan, and cosines and sines, first of what parts modes of rows, then of stages.
 TRANSFORM = {"plan": FourierPlan, "turns": 1}
 #: Compute modes of rows.
-forward = of_both("forward_rows", **TRANSFORM, field=FIELD, scratch=2, spectrum=3)
+forward = of_both("transform_rows<false>", **TRANSFORM, field=FIELD, scratch=2, spectrum=3)
 #: Multiply the modes of all columns by the table and the line of each row, in place.
 across = of_both("across_columns", **TRANSFORM, table=3, line=LINE, scratch=2, spectrum=3)
 #: Multiply the modes of all columns of two fields by a symmetric matrix of tables, in place.
 across_pair = of_both("across_pairs", **TRANSFORM, table=4, signs=LINE, scratch=2, spectrum=3)
 #: Compute the cells of the rows from their modes.
-back = of_both("back_rows", **TRANSFORM, scratch=2, spectrum=3, field=FIELD)
+back = of_both("transform_rows<true>", **TRANSFORM, field=FIELD, scratch=2, spectrum=3)
 #: Forward, across and back for one grid after another, each while it is in the cache.
 convolve = of_both(
     "convolve_grids", **TRANSFORM, table=3, line=LINE, field_in=FIELD, scratch=2, spectrum=3, field_out=FIELD
 )
 #: Copy cells of grids into padded ones, whose padding stays zero.
-pad = of_both("pad_rows", grids=FourierPlan, field=FIELD, padded=3)
+pad = of_both("pad_rows<false>", grids=FourierPlan, field=FIELD, padded=3)
 #: Copy the fields out of their padding.
-crop = of_both("crop_rows", grids=FourierPlan, padded=3, field=FIELD)
+crop = of_both("pad_rows<true>", grids=FourierPlan, field=FIELD, padded=3)
 #: Multiply, or divide, modes by the table and the line of their row, in place.
 multiply = of_both("multiply_modes", grids=FourierPlan, table=TABLE, line=LINE, modes=3)
 #: Multiply modes of two grids by a symmetric matrix of tables, in place.

@@ -73,7 +73,7 @@ def native_pass(module: Any, function: str, *, name: str = "", **arguments: Any)
     the first and the end of a range of slots, and their number: on a CPU one call of it does a range, so that
     its arguments are read once. name: of the kernel, by default that of the function.
     """
-    name = name or re.sub(r"\W", "_", function)
+    name = re.sub(r"\W", "_", name or function)
     types = dict.fromkeys(("first", "end", "slots"), wp.int32) | arguments
     call = f"{function}(slot, {', '.join([*types][2:])});"
 

@@ -92,9 +92,9 @@ class ContactReach:
 
 
 #: Copy what a field of the larger grid holds in a window.
-take_window = native_pass("take_window", transfer=Transfer)
+take_window = native_pass("copy_window<false>", transfer=Transfer)
 #: Copy a field of a window to where it lies in the larger grid.
-give_window = native_pass("give_window", transfer=Transfer)
+give_window = native_pass("copy_window<true>", transfer=Transfer)
 #: Start from the pressure of a place in the last lap, or from where that leads to.
 take_lap = native_pass("take_lap", lap=Lap)
 #: Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none.

@@ -156,10 +156,9 @@ WARPWEAR_FN void forward_batch(const Plan& plan, const Real* turns, const double
     const int rows = plan.rows - first < lines ? plan.rows - first : lines;
     const int filled = filled_of(plan.along, n);
     const double* const cells = grid + (size_t)first * plan.stride;
-    if (plan.is_odd)
-        take_rows<Real, false>(cells, rows, plan.stride, plan.columns, filled, x);
-    else
-        take_rows<Real, true>(cells, rows, plan.stride, plan.columns, filled, x);
+    told(!plan.is_odd, [&](auto pairs) {
+        take_rows<Real, decltype(pairs)::value>(cells, rows, plan.stride, plan.columns, filled, x);
+    });
     transform<Real, false>(plan.along, x, n, turns + 2 * n);
     if (!plan.is_odd) part(plan.partners, turns, x);
     for (int k = 2 * lines * (plan.is_odd ? n : n + 1); k < 2 * lines * lines * plan.groups; k += lines)
@@ -178,10 +177,9 @@ WARPWEAR_FN void back_batch(const Plan& plan, const Real* turns, Real* spectrum,
     if (!plan.is_odd) join(plan.partners, turns, x);
     transform<Real, true>(plan.along, x, n, turns + 2 * n);
     double* const cells = grid + (size_t)first * plan.stride;
-    if (plan.is_odd)
-        give_rows<Real, false>(x, n, cells, rows, plan.stride, plan.columns);
-    else
-        give_rows<Real, true>(x, n, cells, rows, plan.stride, plan.columns);
+    told(!plan.is_odd, [&](auto pairs) {
+        give_rows<Real, decltype(pairs)::value>(x, n, cells, rows, plan.stride, plan.columns);
+    });
 }
 
 // Modes of a group of columns, in place, or in the scratch memory where these have more rows than cells.
@@ -263,16 +261,20 @@ template <typename Plan> WARPWEAR_FN int batches_of(const Plan& plan, int lines)
 { return (plan.rows + lines - 1) / lines; }
 #endif
 
-// Modes of the rows of a grid. A slot has a row of the scratch memory, and takes its part of the batches.
-template <typename Real, typename Plan, typename Field>
-WARPWEAR_FN void forward_rows(int slot, int slots, const Plan& plan, const wp::array_t<Real>& turns,
-                              const Field& field, wp::array_t<Real>& scratch, wp::array_t<Real>& spectrum)
+// Modes of the rows of a grid, or the way back. A slot has a row of the scratch memory, and takes its part of
+// the batches.
+template <bool BACK, typename Real, typename Plan, typename Field>
+WARPWEAR_FN void transform_rows(int slot, int slots, const Plan& plan, const wp::array_t<Real>& turns,
+                                const Field& field, wp::array_t<Real>& scratch, wp::array_t<Real>& spectrum)
 {
 #if !defined(__CUDA_ARCH__)
     const int batches = batches_of(plan, VectorOf<Real>::LINES);
+    Real* const x = &wp::index(scratch, slot, 0);
     for (int n = first_of(slot, slots, batches); n < first_of(slot + 1, slots, batches); ++n)
-        forward_batch(plan, turns.data, (const double*)field.data, n, &wp::index(scratch, slot, 0),
-                      spectrum.data);
+        if (BACK)
+            back_batch(plan, turns.data, spectrum.data, n, x, (double*)field.data);
+        else
+            forward_batch(plan, turns.data, (const double*)field.data, n, x, spectrum.data);
 #endif
 }
 
@@ -307,18 +309,6 @@ WARPWEAR_FN void across_pairs(int slot, int slots, const Plan& plan, const wp::a
 #endif
 }
 
-// Cells of the rows of a grid from their modes.
-template <typename Real, typename Plan, typename Field>
-WARPWEAR_FN void back_rows(int slot, int slots, const Plan& plan, const wp::array_t<Real>& turns,
-                           wp::array_t<Real>& scratch, wp::array_t<Real>& spectrum, Field& field)
-{
-#if !defined(__CUDA_ARCH__)
-    const int batches = batches_of(plan, VectorOf<Real>::LINES);
-    for (int n = first_of(slot, slots, batches); n < first_of(slot + 1, slots, batches); ++n)
-        back_batch(plan, turns.data, spectrum.data, n, &wp::index(scratch, slot, 0), (double*)field.data);
-#endif
-}
-
 // Convolve grids that lie one after another, each while it is in the cache: those that are visited, of which
 // a slot takes every one of `slots`. A slot has a row of the scratch memory and a grid's groups of the modes.
 template <typename Real, typename Plan, typename Field>
@@ -344,27 +334,20 @@ WARPWEAR_FN void convolve_grids(int slot, int slots, const Plan& plan, const wp:
 #endif
 }
 
-// What stands around transforms of a library: cells of grids into padded ones, whose padding stays zero.
-template <typename Grids, typename Field, typename Real>
+// What stands around transforms of a library: cells of grids go into padded ones, whose padding stays zero,
+// or back.
+template <bool BACK, typename Grids, typename Field, typename Real>
 WARPWEAR_FN void pad_rows(int slot, int slots, const Grids& grids, const Field& field,
                           wp::array_t<Real>& padded)
 {
     for (int row = slot; row < grids.visited.data[0] * grids.rows; row += slots) {
-        const double* const cells = (const double*)field.data + (size_t)row * grids.stride;
-        Real* const to = &wp::index(padded, row / grids.rows, row % grids.rows, 0);
-        for (int j = lane_of_slot(); j < grids.columns; j += width_of_slot()) to[j] = cells[j];
-    }
-}
-
-// The way back.
-template <typename Grids, typename Field, typename Real>
-WARPWEAR_FN void crop_rows(int slot, int slots, const Grids& grids, const wp::array_t<Real>& padded,
-                           Field& field)
-{
-    for (int row = slot; row < grids.visited.data[0] * grids.rows; row += slots) {
         double* const cells = (double*)field.data + (size_t)row * grids.stride;
-        const Real* const from = &wp::index(padded, row / grids.rows, row % grids.rows, 0);
-        for (int j = lane_of_slot(); j < grids.columns; j += width_of_slot()) cells[j] = from[j];
+        Real* const there = &wp::index(padded, row / grids.rows, row % grids.rows, 0);
+        for (int j = lane_of_slot(); j < grids.columns; j += width_of_slot())
+            if (BACK)
+                cells[j] = there[j];
+            else
+                there[j] = cells[j];
     }
 }
 

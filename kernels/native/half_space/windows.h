@@ -28,29 +28,19 @@ template <typename Reach> WARPWEAR_FN void extents(int slot, int slots, const Re
     store_lines(reach.extents, slot, 0, {first_row, last_row, first, last});
 }
 
-// Do something with every stored vector of a window, and with that of the larger grid where it lies.
-template <typename Transfer, typename Field, typename Copy>
-WARPWEAR_FN void each_vector(int slot, int slots, const Transfer& transfer, const Field& whole,
-                             const Field& part, const Copy& copy)
+// Copy what a field of the larger grid holds in a window, or the other way.
+template <bool GIVES, typename Transfer>
+WARPWEAR_FN void copy_window(int slot, int slots, const Transfer& transfer)
 {
-    const int *const first = transfer.first.data, cells = part.shape[1] * OF_VECTOR;
+    const auto &whole = GIVES ? transfer.target : transfer.field,
+               &part = GIVES ? transfer.field : transfer.target;
+    const int* const first = transfer.first.data;
     for (int row = slot; row < part.shape[0]; row += slots) {
         Stored* const there = row_of(whole, first[0] + row) + first[1] * OF_VECTOR;
         Stored* const here = row_of(part, row);
-        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) copy(there[i], here[i]);
+        for (int i = lane_of_slot(); i < part.shape[1] * OF_VECTOR; i += width_of_slot())
+            (GIVES ? there : here)[i] = (GIVES ? here : there)[i];
     }
-}
-
-template <typename Transfer> WARPWEAR_FN void take_window(int slot, int slots, const Transfer& transfer)
-{
-    each_vector(slot, slots, transfer, transfer.field, transfer.target,
-                [](const Stored& there, Stored& here) { here = there; });
-}
-
-template <typename Transfer> WARPWEAR_FN void give_window(int slot, int slots, const Transfer& transfer)
-{
-    each_vector(slot, slots, transfer, transfer.target, transfer.field,
-                [](Stored& there, const Stored& here) { there = here; });
 }
 
 // The pressure of a place in the last lap, and as far ahead of that as it came since the lap before.

@@ -30,14 +30,11 @@ WARPWEAR_FN void update_film(const Slide& slide, const Films& films, const Prope
     Stored* const shear_ratio = cells.shear_ratio.shape[0] > 0 ? row_of(cells.shear_ratio, row) : nullptr;
     for (int i = span.first; i < span.end; i += span.stride) {
         Lanes here = one;
-        if (on_counter) {
-            const Lanes depth = lost(films.counter, row, i, slide.start, films.regrowth);
-            here = depth > films.thickness ? here : zero;
-        }
-        if (on_disc) {
-            const Lanes depth = lost(films.disc, under, i, slide.start, films.regrowth);
-            here = depth > films.thickness ? here : zero;
-        }
+        const auto look_at = [&](const auto& coat, int of_coat) {
+            here = lost(coat, of_coat, i, slide.start, films.regrowth) > films.thickness ? here : zero;
+        };
+        if (on_counter) look_at(films.counter, row);
+        if (on_disc) look_at(films.disc, under);
         material[i] = here;
         if (cap_ratio) cap_ratio[i] = here > zero ? cap_bare : cap_filmed;
         if (shear_ratio) shear_ratio[i] = here > zero ? one : shear_filmed;

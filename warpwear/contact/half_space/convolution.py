@@ -117,14 +117,14 @@ class Convolution(Filter):
                 launch(fourier.forward, field_in[half], scratch, part)
             launch(fourier.across_pair, self._table, self._signs, scratch, modes)
             for half, part in halves:
-                launch(fourier.back, scratch, part, field_out[half])
+                launch(fourier.back, field_out[half], scratch, part)
             return
         if self._grids.count > 1:
             launch(fourier.convolve, self._table, line, field_in, scratch, modes, field_out)
             return
         launch(fourier.forward, field_in, scratch, modes)
         launch(fourier.across, self._table, line, scratch, modes)
-        launch(fourier.back, scratch, modes, field_out)
+        launch(fourier.back, field_out, scratch, modes)
 
 
 def _numbers(columns: int) -> int:

@@ -78,47 +78,37 @@ class PaddedFilter(Filter):
         place_in, place_out = (field_in, field_out) if self._is_plain else (self.padded_in, self.padded_out)
         if not self._is_plain:
             launch(fourier.pad, grids.rows, field_in, place_in)
-        program.call(self.forward(place_in))
+        program.call(self.transform(place_in))
         if self._table.ndim == 3:
             slots = executor.slots_of(self.shape[0])
             program.launch(fourier.multiply_pair[self._kind], around, self._table, self.waves, slots=slots)
         else:
             launch(fourier.multiply, self.shape[0], self._table, line, self.waves)
-        program.call(self.back(place_out))
+        program.call(self.transform(place_out, back=True))
         if not self._is_plain:
-            launch(fourier.crop, grids.rows, place_out, field_out)
+            launch(fourier.crop, grids.rows, field_out, place_out)
 
     @abstractmethod
-    def forward(self, values: Field) -> Callable[[], None]:
-        """Make what transforms values to the modes."""
-
-    @abstractmethod
-    def back(self, values: Field) -> Callable[[], None]:
-        """Make what transforms the modes back to values; they are lost."""
+    def transform(self, values: Field, *, back: bool = False) -> Callable[[], None]:
+        """Make what transforms values to the modes, or these back to values; they are lost then."""
 
 
 class ScipyFilter(PaddedFilter):
     """Transforms the grids that are visited on a CPU, by its threads."""
 
-    def forward(self, values: Field) -> Callable[[], None]:
-        """Make what transforms values to the modes."""
+    def transform(self, values: Field, *, back: bool = False) -> Callable[[], None]:
+        """Make what transforms values to the modes, or these back to values; they are lost then."""
         host, modes, options = values.numpy(), self._modes, {"workers": self._executor.threads}
 
-        def transform() -> None:
+        def forth() -> None:
             lines = fft.rfft(host[: self._visited], **options)
             modes[: self._visited] = fft.fft(lines, axis=1, overwrite_x=True, **options)
 
-        return transform
-
-    def back(self, values: Field) -> Callable[[], None]:
-        """Make what transforms the modes back to values; they are lost."""
-        host, modes, options = values.numpy(), self._modes, {"workers": self._executor.threads}
-
-        def transform() -> None:
+        def and_back() -> None:
             lines = fft.ifft(modes[: self._visited], axis=1, overwrite_x=True, **options)
             host[: self._visited] = fft.irfft(lines, self.shape[1], **options)
 
-        return transform
+        return and_back if back else forth
 
     @property
     def _modes(self) -> Any:
@@ -160,23 +150,16 @@ class CupyFilter(PaddedFilter):
         )
         return whole and self._kind is np.float64
 
-    def forward(self, values: Field) -> Callable[[], None]:
-        """Make what transforms values to the modes."""
-        return self._transform(0, -1, values)
-
-    def back(self, values: Field) -> Callable[[], None]:
-        """Make what transforms the modes back to values; they are lost."""
-        return self._transform(1, 1, values)
-
-    def _transform(self, plan: int, direction: int, values: Field) -> Callable[[], None]:
+    def transform(self, values: Field, *, back: bool = False) -> Callable[[], None]:
+        """Make what transforms values to the modes, or these back to values; they are lost then."""
         with self._device:
             places = [self._cupy.asarray(values), self._waves]
 
-        def transform() -> None:
+        def run() -> None:
             with self._device, self._stream:
-                self._plans[plan].fft(places[plan], places[1 - plan], direction)
+                self._plans[back].fft(places[back], places[1 - back], 1 if back else -1)
 
-        return transform
+        return run
 
     def _warm(self) -> None:
         """Transform the modes in place before a graph captures the plans: the library loads what it needs."""
