@@ -45,6 +45,8 @@ MOST_CELLS_STORED = 2**20
 #: Rows of a grid that repeats across, over its columns, from which windows pay: under a line of pressure
 #: everything sinks within the grid's length, and waves across are gone at that distance.
 LEAST_LONG = 2
+#: Fields that cells may have of their own, see `solver.BoundedPressure.solve`.
+OWN = ("cap_ratio", "yields", "streak_yields")
 
 
 @dataclass(frozen=True)
@@ -290,15 +292,10 @@ class WindowedHalfSpace:
         gap: Field,
         *,
         load: float,
-        streak_compliance: float = 0.0,
-        streak_window: int | None = None,
-        cap_ratio: Field | None = None,
-        yields: Field | None = None,
-        streak_yields: Field | None = None,
         least_cap_ratio: float = 1.0,
         certified: bool | None = True,
         tolerance: float | None = None,
-        compliance: float = 0.0,
+        **options: Any,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
 
@@ -306,16 +303,16 @@ class WindowedHalfSpace:
         cap_ratio. Raises InputError for a load that not all cells at the least of their caps carry.
         """
         whole, least = self._executor.grid, least_cap_ratio * self._hardness
-        there = {"gap": gap, "cap_ratio": cap_ratio, "yields": yields, "streak_yields": streak_yields}
-        fields = {name: field for name, field in there.items() if field is not None}
-        options: dict[str, Any] = {"compliance": compliance, "streak_window": streak_window}
-        options["streak_compliance"] = streak_compliance
+        own = {name: options.pop(name, None) for name in OWN}
+        fields = {"gap": gap} | {name: field for name, field in own.items() if field is not None}
         options["certified"] = not self._started if certified is None else certified
 
         self._see_bodies(gap, least)
         # No more of a mean along x may reach beyond the window than it holds.
-        rows = 2 * (streak_window or (whole.nx if "streak_yields" in fields or streak_compliance else 1))
-        has_windows = self._has_windows and streak_yields is None  # which reach beyond them
+        has_streaks = "streak_yields" in fields
+        along = whole.nx if has_streaks or options.get("streak_compliance") else 1
+        rows = 2 * (options.get("streak_window") or along)
+        has_windows = self._has_windows and not has_streaks  # which reach beyond them
         if not has_windows:
             self._look_at(self._everything)
         elif self._window is None:
@@ -400,7 +397,7 @@ class WindowedHalfSpace:
         here.take(self._pressure, fields)
         self._clear_beside(window)
         here.solver.started = self._started
-        there = {name: here.fields.get(name) for name in ("cap_ratio", "yields", "streak_yields")}
+        there = {name: here.fields.get(name) for name in OWN}
         search = here.solver.search_for(here.fields["gap"], there, groups=False)
         area = self._executor.grid.cell_area
         search.bear(min(load / area, self._hardness * here.executor.grid.cells))

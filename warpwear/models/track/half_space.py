@@ -272,7 +272,8 @@ class SlidingHalfSpace:
         """Make a part of a step by itself."""
         if start == NOTHING:
             self._half_space.forget()
-        self._begin_part(part)
+        self._set_part(part)
+        self.make_gap()
         contact = self._solve(part)
         sums, most = self._wear(contact, part)
         tables = ({name: np.array([v]) for name, v in table.items()} for table in (sums, most))
@@ -333,11 +334,6 @@ class SlidingHalfSpace:
         removals["disc"] *= self._track_fraction
         above = steps_above(self.task, self._executor.grid.cell_area, self.ledger.most, removals)
         self._asked = self._unreached if above else self.features
-
-    def _begin_part(self, part: Substep) -> None:
-        """Make the gap that the disc's cells meet in a part of a step."""
-        self._set_part(part)
-        self.make_gap()
 
     def _set_part(self, part: Substep) -> None:
         """Say in `slides` what a part of a step is."""
