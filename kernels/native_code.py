@@ -135,7 +135,7 @@ def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
     """Find the largest of a line of a table, by all threads of a deciding slot."""
 
 
-@wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")
+@wp.func_native("total_lines(table, adds * table.shape[0], &wp::index(history, row, column));")
 def total_of(
     table: wp.array2d(dtype=wp.float64),
     adds: wp.int32,

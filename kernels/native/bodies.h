@@ -31,17 +31,6 @@ WARPWEAR_FN void gap_under_ball(int slot, int slots, int columns, const Ball& ba
     }
 }
 
-// Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
-#if defined(__CUDA_ARCH__)
-static const int TEAM = 32;
-#else
-static const int TEAM = 1;
-#endif
-
-WARPWEAR_FN int team_of_slot() { return lane_of_slot() / TEAM; }
-WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
-WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
-
 // Some cells of a row, as a thread visits them.
 struct Span {
     int first, end, stride;
@@ -52,17 +41,6 @@ WARPWEAR_FN Span span_of_tile(int t, int vectors_per_row)
 {
     const int end = (t + 1) * OF_TILE;
     return {t * OF_TILE + lane_of_team(), end < vectors_per_row ? end : vectors_per_row, TEAM};
-}
-
-// Numbers of the lanes, added to the index of the first cell.
-WARPWEAR_FN Lanes columns_from(int first)
-{
-#if defined(__CUDA_ARCH__)
-    return double(first);
-#else
-    const Lanes lane = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
-    return lane + double(first);
-#endif
 }
 
 // The mean of a field at a cell over `window` rows around its own; of an even number the row at either end

@@ -13,23 +13,26 @@ typedef double Stored;
 typedef float SingleLanes;
 typedef float StoredSingle;
 typedef int Counts; // of one thread
+#define CONTRACT_FAST
+#define CONTRACT_OFF
+#define EACH_SLOT const int slot = first;
+#define OF_SLOT __shared__
 #else
 typedef double Lanes __attribute__((ext_vector_type(8)));
 typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
 typedef float SingleLanes __attribute__((ext_vector_type(8)));
 typedef float StoredSingle __attribute__((ext_vector_type(8), aligned(4)));
 typedef long long Counts __attribute__((ext_vector_type(8)));
-#endif
-typedef decltype(Lanes() < Lanes()) Mask; // what a comparison gives
-
 // Whether a CPU fuses the operations of a function, which begins with it; fused ones change last digits.
-#if defined(__CUDA_ARCH__)
-#define CONTRACT_FAST
-#define CONTRACT_OFF
-#else
 #define CONTRACT_FAST _Pragma("clang fp contract(fast)")
 #define CONTRACT_OFF _Pragma("clang fp contract(off)")
+// The slots that a call does, from `first` on: on a CPU a range of them, on a GPU a block of threads does
+// one. A loop there, even over one slot, takes a sixth more registers, and twice the time of what needs many.
+#define EACH_SLOT for (int slot = first; slot < end; ++slot)
+// Of a variable that all threads of a slot have together.
+#define OF_SLOT
 #endif
+typedef decltype(Lanes() < Lanes()) Mask; // what a comparison gives
 
 // Cells of `Lanes`, `Lanes` of a stored vector and of a tile of four stored vectors.
 static const int LANES = sizeof(Lanes) / sizeof(double);
@@ -40,42 +43,16 @@ static const double ABSENT = 1.0e30;    // gap of a place where there is no surf
 static const double NO_LIMIT = 1.0e300; // stands for no cell, no cap and no limit
 static const double NO_INDEX = -1.0e9;  // stands for no cell among first and last indices
 
-// Thread of a slot, and how many a slot has.
-WARPWEAR_FN int lane_of_slot()
-{
-#if defined(__CUDA_ARCH__)
-    return threadIdx.x;
-#else
-    return 0;
-#endif
-}
-
-WARPWEAR_FN int width_of_slot()
-{
-#if defined(__CUDA_ARCH__)
-    return blockDim.x;
-#else
-    return 1;
-#endif
-}
-
-// Wait for all threads of a slot: what they have read may change then.
-WARPWEAR_FN void wait_for_slot()
-{
-#if defined(__CUDA_ARCH__)
-    __syncthreads();
-#endif
-}
-
-// The slots that a call does, from `first` on: on a CPU a range of them, on a GPU a block of threads does
-// one. A loop there, even over one slot, takes a sixth more registers, and twice the time of what needs many.
-#if defined(__CUDA_ARCH__)
-#define EACH_SLOT const int slot = first;
-#else
-#define EACH_SLOT for (int slot = first; slot < end; ++slot)
-#endif
+// Threads that do a small part of a slot's work together: on a CPU the one of the slot, on a GPU a warp.
+static const int TEAM = LANES == 1 ? 32 : 1;
 
 #if defined(__CUDA_ARCH__)
+WARPWEAR_FN int lane_of_slot() { return threadIdx.x; }
+WARPWEAR_FN int width_of_slot() { return blockDim.x; }
+WARPWEAR_FN void wait_for_slot() { __syncthreads(); }
+WARPWEAR_FN bool lane_of(Mask mask, int) { return mask; }
+WARPWEAR_FN Lanes lanes_from(double first) { return first; }
+template <typename Do, typename... Of> WARPWEAR_FN Lanes each_lane(const Do& of, Of... v) { return of(v...); }
 WARPWEAR_FN Lanes size_of(Lanes v) { return fabs(v); }
 WARPWEAR_FN bool any(Mask v) { return v; }
 WARPWEAR_FN double total(Lanes v) { return v; }
@@ -83,9 +60,28 @@ WARPWEAR_FN double count(Counts v) { return double(v); }
 WARPWEAR_FN double most(Lanes v) { return v; }
 WARPWEAR_FN Lanes doubled(SingleLanes v) { return double(v); }
 WARPWEAR_FN SingleLanes halved(Lanes v) { return float(v); }
-WARPWEAR_FN Lanes root_of(Lanes v) { return sqrt(v); }
 template <typename T> WARPWEAR_FN void fetch(const T*) {}
 #else
+// Thread of a slot, and how many a slot has.
+WARPWEAR_FN int lane_of_slot() { return 0; }
+WARPWEAR_FN int width_of_slot() { return 1; }
+// Wait for all threads of a slot: what they have read may change then.
+WARPWEAR_FN void wait_for_slot() {}
+// Whether a mask holds for one of its cells.
+WARPWEAR_FN bool lane_of(Mask mask, int lane) { return mask[lane]; }
+// A number for the first of some cells, one more for the next, ...
+WARPWEAR_FN Lanes lanes_from(double first)
+{
+    const Lanes lane = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
+    return lane + first;
+}
+// What a function makes of each cell.
+template <typename Do, typename... Of> WARPWEAR_FN Lanes each_lane(const Do& of, Of... v)
+{
+    Lanes made;
+    for (int j = 0; j < LANES; ++j) made[j] = of(v[j]...);
+    return made;
+}
 WARPWEAR_FN Lanes size_of(Lanes v) { return __builtin_elementwise_abs(v); }
 WARPWEAR_FN bool any(Mask v) { return __builtin_reduce_or(v) != 0; }
 WARPWEAR_FN double total(Lanes v)
@@ -111,16 +107,13 @@ WARPWEAR_FN Lanes root_of(Lanes v)
     for (int j = 0; j < LANES; ++j) v[j] = wp::sqrt(v[j]);
     return v;
 }
-WARPWEAR_FN double root_of(double v) { return wp::sqrt(v); }
 template <typename T> WARPWEAR_FN void fetch(const T* place) { __builtin_prefetch(place, 1); }
 #endif
+WARPWEAR_FN double root_of(double v) { return wp::sqrt(v); }
 
-// Whether a mask holds for one of its cells.
-#if defined(__CUDA_ARCH__)
-WARPWEAR_FN bool lane_of(Mask mask, int) { return mask; }
-#else
-WARPWEAR_FN bool lane_of(Mask mask, int lane) { return mask[lane]; }
-#endif
+WARPWEAR_FN int team_of_slot() { return lane_of_slot() / TEAM; }
+WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
+WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
 
 WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
 WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
@@ -332,47 +325,28 @@ WARPWEAR_FN double total_of_line(const Table& table, int line, int columns, bool
 #endif
 }
 
-// The first lines of a table, over their first columns: so many sums, then maxima. Every thread of a deciding
-// slot calls it; each of its warps brings some of the lines to one number.
+// Bring the first lines of a table to one number each, over their first columns: so many sums, then maxima.
+// Every thread of a deciding slot calls it; each of its teams has some of the lines.
+template <typename Table>
+WARPWEAR_FN void total_lines(const Table& table, int sums, double* totals, int columns, int lines)
+{
+    wait_for_slot(); // others may still read what was there
+    for (int line = team_of_slot(); line < lines; line += teams_of_slot()) {
+        const double total = total_of_line(table, line, columns, line < sums);
+        if (lane_of_team() == 0) totals[line] = total;
+    }
+    wait_for_slot();
+}
+
+template <typename Table> WARPWEAR_FN void total_lines(const Table& table, int sums, double* totals)
+{ total_lines(table, sums, totals, table.shape[1], table.shape[0]); }
+
 template <int N, typename Table>
 WARPWEAR_FN wp::vec_t<N, double> lines_of_table(const Table& table, int columns, int sums, int lines)
 {
+    OF_SLOT double totals[N];
     wp::vec_t<N, double> values;
-#if defined(__CUDA_ARCH__)
-    __shared__ double totals[N];
-    __syncthreads(); // others may still read what was there
-    for (int line = threadIdx.x / 32; line < lines; line += blockDim.x / 32) {
-        const double total = total_of_line(table, line, columns, line < sums);
-        if (threadIdx.x % 32 == 0) totals[line] = total;
-    }
-    __syncthreads();
+    total_lines(table, sums, totals, columns, lines);
     for (int line = 0; line < lines; ++line) values[line] = totals[line];
-#else
-    for (int line = 0; line < lines; ++line) values[line] = total_of_line(table, line, columns, line < sums);
-#endif
     return values;
-}
-
-// Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.
-WARPWEAR_FN bool is_of_warp(int line)
-{
-#if defined(__CUDA_ARCH__)
-    return line % (blockDim.x / 32) == threadIdx.x / 32;
-#else
-    return true;
-#endif
-}
-
-WARPWEAR_FN bool is_first_of_warp() { return lane_of_slot() % 32 == 0; }
-
-// Bring every line of a table to one number, its sum or its largest. Every thread of a deciding slot calls
-// it.
-template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool adds, double* totals)
-{
-    for (int line = 0; line < table.shape[0]; ++line) {
-        if (!is_of_warp(line)) continue;
-        const double total = total_of_line(table, line, table.shape[1], adds);
-        if (is_first_of_warp()) totals[line] = total;
-    }
-    wait_for_slot();
 }

@@ -101,13 +101,8 @@ WARPWEAR_FN bool lost_within(const Materials& materials, Lanes depth, Lanes expo
 // The same of cells.
 WARPWEAR_FN Lanes lost_from_each(const Materials& materials, Lanes depth, Lanes exposure)
 {
-#if defined(__CUDA_ARCH__)
-    return exposure > 0.0 ? lost_from(materials, depth, exposure) : 0.0;
-#else
     Lanes lost;
-    if (lost_within(materials, depth, exposure, lost)) return lost;
-    for (int j = 0; j < LANES; ++j)
-        exposure[j] = exposure[j] > 0.0 ? lost_from(materials, depth[j], exposure[j]) : 0.0;
-    return exposure;
-#endif
+    if (LANES > 1 && lost_within(materials, depth, exposure, lost)) return lost;
+    return each_lane([&](double d, double e) { return e > 0.0 ? lost_from(materials, d, e) : 0.0; }, depth,
+                     exposure);
 }

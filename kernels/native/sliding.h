@@ -264,7 +264,7 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                     was_touched[(i - first) / TEAM] = ever;
                 }
                 for (int i = first + lane_of_team(); beyond_known && i < last; i += TEAM) {
-                    const Lanes column = columns_from(i * LANES), ever = was_touched[(i - first) / TEAM];
+                    const Lanes column = lanes_from(i * LANES), ever = was_touched[(i - first) / TEAM];
                     first_column = wp::max(first_column, most(ever > zero ? -column : none));
                     last_column = wp::max(last_column, most(ever > zero ? column : none));
                 }

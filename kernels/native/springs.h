@@ -4,12 +4,8 @@
 
 #include "properties.h"
 
-#if defined(__CUDA_ARCH__)
-static const int AT_ONCE =
-    4; // cells that a thread loads together: one at a time does not keep the memory busy
-#else
-static const int AT_ONCE = 1;
-#endif
+// Cells that a thread of a GPU loads together: one at a time does not keep the memory busy.
+static const int AT_ONCE = LANES == 1 ? 4 : 1;
 
 // Do something with the cells of the listed tiles of a row, or with those of a thread of the slot: places of
 // `Lanes` in the row, AT_ONCE of them, -1 where there is none.
@@ -146,13 +142,9 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
     const Lanes zero = 0.0, one = 1.0, absent = ABSENT, none = -ABSENT;
     const bool own_caps = cap_ratio_in.shape[0] > 0, gathers = springs.near.shape[0] > 0;
     Stored* const near = gathers ? row_of(springs.near, slot) : nullptr;
-#if defined(__CUDA_ARCH__)
-    __shared__ int places;
-    if (threadIdx.x == 0) places = 0;
-    __syncthreads();
-#else
-    int places = 0;
-#endif
+    OF_SLOT int places;
+    if (lane_of_slot() == 0) places = 0;
+    wait_for_slot();
     Lanes below = 0.0, lowest = ABSENT, highest = -ABSENT;
     Counts inside = 0;
     for (int row = slot; row < gap_in.shape[0]; row += slots) {
@@ -214,11 +206,7 @@ template <typename Springs> WARPWEAR_FN bool are_gathered(const Springs& springs
 template <typename Springs> WARPWEAR_FN double count_gathered(const Springs& springs, double level)
 {
     Counts below = 0;
-#if defined(__CUDA_ARCH__)
-    const int slots = springs.near.shape[0];
-#else
-    const int slots = 1; // the first has all
-#endif
+    const int slots = LANES == 1 ? springs.near.shape[0] : 1; // on a CPU the first has all
     for (int slot = lane_of_slot(); slot < slots; slot += width_of_slot()) {
         const Stored* const near = row_of(springs.near, slot);
         const int places = int(wp::index(springs.trial, 4, slot));

@@ -198,13 +198,8 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
 template <typename Tables> WARPWEAR_FN wp::vec_t<3, double> total_step(const Tables& tables, double* totals)
 {
     const int sums = tables.sums.shape[0], lines = sums + tables.maxima.shape[0];
-#if defined(__CUDA_ARCH__)
-    __shared__ double ahead[3];
-#else
-    double ahead[3];
-#endif
-    for (int line = 0; line < lines + 3; ++line) {
-        if (!is_of_warp(line)) continue;
+    OF_SLOT double ahead[3];
+    for (int line = team_of_slot(); line < lines + 3; line += teams_of_slot()) {
         double total = 0.0;
         if (line < sums)
             total = total_of_line(tables.sums, line, tables.sums.shape[1], true);
@@ -212,7 +207,7 @@ template <typename Tables> WARPWEAR_FN wp::vec_t<3, double> total_step(const Tab
             total = total_of_line(tables.maxima, line - sums, tables.maxima.shape[1], false);
         else
             total = total_of_line(tables.ahead, line - lines, tables.ahead.shape[1], line - lines < 2);
-        if (is_first_of_warp()) *(line < lines ? totals + line : ahead + line - lines) = total;
+        if (lane_of_team() == 0) *(line < lines ? totals + line : ahead + line - lines) = total;
     }
     wait_for_slot();
     return wp::vec_t<3, double>(ahead[0], ahead[1], ahead[2]);

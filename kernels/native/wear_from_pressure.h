@@ -157,7 +157,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                     deepest_counter = larger_of(deepest_counter, a);
                     if (shears) summed.of(PressureSum::RUBBED) += (Lanes)sheared_here[i];
                     const Mask ever = m + was + wear.shear_counter * sheared.counter > zero;
-                    const Lanes column = columns_from(domain_column + v * LANES);
+                    const Lanes column = lanes_from(domain_column + v * LANES);
                     summed.counted(PressureSum::TOUCHED) += one_if(ever);
                     in_line = in_line | ever;
                     first = larger_of(first, ever ? -column : none);

@@ -49,15 +49,7 @@ WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const Visit&
 }
 
 // Whether cells are columns of the grid, not the padding behind its last one.
-WARPWEAR_FN Mask inside(int i, int columns)
-{
-#if defined(__CUDA_ARCH__)
-    return i < columns;
-#else
-    const Lanes places = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0};
-    return places + double(LANES * i) < Lanes(double(columns));
-#endif
-}
+WARPWEAR_FN Mask inside(int i, int columns) { return lanes_from(double(LANES * i)) < Lanes(double(columns)); }
 
 WARPWEAR_FN Mask is_free(Lanes p, Lanes t, Lanes level, Lanes cap)
 { return ((p > Lanes(0.0)) | (t < level)) & ((p < cap) | (t > level)); }

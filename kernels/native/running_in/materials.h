@@ -23,11 +23,7 @@ WARPWEAR_FN void book_cell(const Materials& materials, double depth, double pres
         return m;
     };
     const int first = last_before(BEGINS, depth);
-#if defined(__CUDA_ARCH__)
-    const Lanes in_lane = 1.0;
-#else
     const Lanes in_lane = {1.0};
-#endif
     book[CELLS_IN_CONTACT][line(first)] += in_lane * cells;
     book[PRESSURE_BORNE][line(first)] += in_lane * pressure;
     const double exposure = k * pressure + materials.of(EXPOSURE, first) +

@@ -24,17 +24,6 @@ template <typename Curve> WARPWEAR_FN double bearing_ratio(double volume, const 
     return 1.0 / (1.0 + wp::exp(-(z - curve.middle) / curve.scale));
 }
 
-// What a function makes of each lane.
-template <typename Do> WARPWEAR_FN Lanes each_lane(Lanes v, const Do& of)
-{
-#if defined(__CUDA_ARCH__)
-    return of(v);
-#else
-    for (int j = 0; j < LANES; ++j) v[j] = of(v[j]);
-    return v;
-#endif
-}
-
 // Lower the disc by what it stands deeper than its mean worn depth, and note that.
 template <typename Curve, typename Field>
 WARPWEAR_FN void recede(int slot, int slots, const Curve& curve, const Field& wear_disc, const Field& disc,
@@ -43,7 +32,7 @@ WARPWEAR_FN void recede(int slot, int slots, const Curve& curve, const Field& we
     for (int row = slot; row < disc.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < disc.shape[1] * OF_VECTOR; i += width_of_slot()) {
             const Lanes v = row_of(wear_disc, row)[i];
-            const Lanes now = each_lane(v, [&](double volume) { return depth_beyond(volume, curve); });
+            const Lanes now = each_lane([&](double volume) { return depth_beyond(volume, curve); }, v);
             Stored &height = row_of(disc, row)[i], &before = row_of(beyond, row)[i];
             height = height - (now - before);
             before = now;

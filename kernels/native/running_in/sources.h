@@ -25,7 +25,7 @@ WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Prope
         const Lanes compliance = slide.own + slide.removal.k_counter * own_or(own.k_counter, i, one);
         const Lanes k_disc = slide.removal.k_disc * own_or(own.k_disc, i, one);
         if (wear) {
-            const Lanes ratio = each_lane(wear[i], [&](double v) { return bearing_ratio(v, curve); });
+            const Lanes ratio = each_lane([&](double v) { return bearing_ratio(v, curve); }, Lanes(wear[i]));
             stiffness[i] = one / (compliance + k_disc / ratio);
         } else {
             stiffness[i] = smaller_of(one / (k_disc + compliance), rigid);
