@@ -102,9 +102,7 @@ def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float
     s = search_from(
         lowest, HALF * wp.min(springs.cap, springs.load / springs.cell_area) / softest, ZERO, stiffness
     )
-    b = s.bracket
-    b.low = ZERO
-    s.bracket = b
+    s.bracket.low = ZERO
     s.is_cold = 1
     s.margin = ZERO  # how far the first step leads says nothing
     return s
@@ -113,8 +111,8 @@ def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float
 @wp.func
 def judged(
     springs: Springs,
-    before: BalanceSearch,
-    lists_before: Listing,
+    s: BalanceSearch,
+    lists: Listing,
     force: wp.float64,
     slope: wp.float64,
     near: wp.float64,
@@ -124,8 +122,6 @@ def judged(
     force, slope: carried at the trial [N, N/mm]. near: change of pressure that the nearest cell needs to
     change its state [MPa].
     """
-    s = before
-    lists = lists_before
     alike = s.stiffness > ZERO
     linear_range = wp.where(alike, near / wp.where(alike, s.stiffness, ONE), ZERO)
     b = next_trial(s.bracket, force, slope, springs.load, springs.tolerance, linear_range)

@@ -69,8 +69,8 @@ def area_near(approach: wp.float64, scatter: wp.float64):
 @wp.func
 def bracketed(
     springs: Springs,
-    before: BalanceSearch,
-    lists_before: Listing,
+    s: BalanceSearch,
+    lists: Listing,
     count: wp.float64,
     lowest: wp.float64,
     highest: wp.float64,
@@ -79,8 +79,6 @@ def bracketed(
 
     count: of cells listed. lowest, highest: gap of them [mm].
     """
-    s = before
-    lists = lists_before
     b = s.bracket
     needed = springs.load / (springs.cap * springs.cell_area)
     if count < needed and lists.limit < NONE:
@@ -99,10 +97,8 @@ def bracketed(
 
 
 @wp.func
-def counted(springs: Springs, before: BalanceSearch, law_before: Law, count: wp.float64):
+def counted(springs: Springs, s: BalanceSearch, law: Law, count: wp.float64):
     """Return the search after a trial, and the law at its end. count: of cells below the trial."""
-    s = before
-    law = law_before
     b = s.bracket
     level = b.offset
     full = springs.cap * springs.cell_area  # load of a cell

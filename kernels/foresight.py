@@ -37,9 +37,8 @@ def foreseen_step(t: Trend, removal: wp.float64):
 
 
 @wp.func
-def learnt(before: Trend, approach: wp.float64, removal: wp.float64):
+def learnt(t: Trend, approach: wp.float64, removal: wp.float64):
     """Return what is known after a step that ended at an approach [mm], and removed K ΔL [mm³/N]."""
-    t = before
     where = t.slid + HALF * removal
     last = wp.where(t.rates == 2, t.where_1, t.where_0)
     # A law that decays ends with steps too small to be told apart by where they are.

@@ -68,7 +68,7 @@ def is_closed(b: Bracket):
 
 @wp.func
 def stepped(
-    before: Bracket, residual: wp.float64, newton: wp.float64, rises: wp.bool, even: wp.bool, halves: wp.bool
+    b: Bracket, residual: wp.float64, newton: wp.float64, rises: wp.bool, even: wp.bool, halves: wp.bool
 ):
     """Return the search with its next trial, by Newton's step and the bracket.
 
@@ -76,7 +76,6 @@ def stepped(
     this is an evaluation, one in two, at which the bracket's width is noted. halves: whether the bracket has
     to be half as wide by then, or is halved.
     """
-    b = before
     if is_closed(b):
         stalled = halves and even and b.high - b.low > HALF * b.width
         if even:
@@ -95,7 +94,7 @@ def stepped(
 
 @wp.func
 def next_trial(
-    before: Bracket,
+    b: Bracket,
     force: wp.float64,
     slope: wp.float64,
     load: wp.float64,
@@ -107,7 +106,6 @@ def next_trial(
     tolerance: of the force. linear_range: way as far as which the force is surely a straight line; 0 where
     that is not known.
     """
-    b = before
     b.evaluation = b.evaluation + 1
     residual = force - load
     offset = b.offset

@@ -127,9 +127,8 @@ def begin_step(springs: Springs, steps: SlidingSteps):
 
 
 @wp.func
-def with_columns(before: Slide, memory: SlidingMemory, steps: SlidingSteps):
+def with_columns(slide: Slide, memory: SlidingMemory, steps: SlidingSteps):
     """Give a step the columns that were touched before it, and those beside them that are worn too."""
-    slide = before
     slide.first_column = 0
     slide.end_column = 0
     if memory.extents[3] >= ZERO:

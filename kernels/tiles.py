@@ -46,12 +46,11 @@ class TileLists:
 
 
 @wp.func
-def reached(before: Listing, approach: wp.float64, margin: wp.float64):
+def reached(lists: Listing, approach: wp.float64, margin: wp.float64):
     """Return the list as an approach needs it; a new one reaches a margin beyond.
 
     One that reaches much further than that is made anew as well: it costs more than it saves.
     """
-    lists = before
     if lists.is_fixed == 0 and (approach > lists.limit or approach + TWO * margin < lists.asked):
         lists.limit = approach + margin
         lists.asked = lists.limit
@@ -59,9 +58,8 @@ def reached(before: Listing, approach: wp.float64, margin: wp.float64):
 
 
 @wp.func
-def list_from(before: Listing, lowest: wp.float64):
+def list_from(lists: Listing, lowest: wp.float64):
     """Return the list that a first search begins with, from the lowest gap [mm]; else the one made before."""
-    lists = before
     if lists.is_fixed == 0 and lists.is_fresh == 1:
         lists.limit = lowest
         lists.asked = lowest

@@ -128,9 +128,8 @@ def conclude_step(springs: Springs, steps: RestSteps, s: BalanceSearch, lists: L
 
 
 @wp.func
-def prepare(steps: RestSteps, s: BalanceSearch, lists_before: Listing, approach: wp.float64, cap: wp.float64):
+def prepare(steps: RestSteps, s: BalanceSearch, lists: Listing, approach: wp.float64, cap: wp.float64):
     """Prepare the wear of a step at its approach, and the list for the approach that is expected next."""
-    lists = lists_before
     memory = steps.memory[0]
     removal = steps.plan[memory.step, 0]
     now = Increment()

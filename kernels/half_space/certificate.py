@@ -140,9 +140,7 @@ def prove(proof: Proof):
     for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         lines = search.lines_of(proof, i, 1, 1)
         if search.writes(proof):
-            group = proof.groups[i]
-            group.gap = lines[0]
-            proof.groups[i] = group
+            proof.groups[i].gap = lines[0]
 
 
 #: All of them, to be compiled without those of searches.

@@ -76,9 +76,8 @@ def measure(solve: Solve):
 
 
 @wp.func
-def begun(rules: search.Rules, before: search.RowGroup, total: wp.float64, between: wp.float64):
+def begun(rules: search.Rules, group: search.RowGroup, total: wp.float64, between: wp.float64):
     """Begin to balance a group whose trial carries a total without a shift, with so many cells between."""
-    group = before
     group.unit = wp.max(group.unit, wp.where(between > ZERO, total / wp.max(between, ONE), ZERO))
     group.unit = wp.max(group.unit, wp.where(group.load > ZERO, group.load, total) / rules.group_cells)
     group.bracket = bracket_at(ZERO, ONE)
@@ -116,8 +115,7 @@ def balanced(solve: Solve, begins: wp.bool):
     if search.lane() == 0:
         solve.flags[Flag.BALANCING] = wp.where(looking > ZERO and stuck == ZERO, 1, 0)
         if stuck > ZERO:
-            n.status = search.UNBALANCED
-            solve.numbers[0] = n
+            solve.numbers[0].status = search.UNBALANCED
             solve.flags[Flag.SEARCHING] = 0
 
 
@@ -232,9 +230,8 @@ def judge_groups(solve: Solve, n: search.SearchNumbers):
 
 
 @wp.func
-def with_status(before: search.SearchNumbers, rules: search.Rules, judged: Judged, drifts: wp.bool):
+def with_status(n: search.SearchNumbers, rules: search.Rules, judged: Judged, drifts: wp.bool):
     """Return the numbers of a search that has ended, or goes on."""
-    n = before
     n.iteration = n.iteration + n.moved
     n.moved = 0
     n.loaded = wp.where(judged.off_load == ZERO, 1, 0)
@@ -247,10 +244,9 @@ def with_status(before: search.SearchNumbers, rules: search.Rules, judged: Judge
 
 
 @wp.func
-def with_kind(solve: Solve, before: search.SearchNumbers, judged: Judged):
+def with_kind(solve: Solve, n: search.SearchNumbers, judged: Judged):
     """Return the numbers by which the next step goes, of the kind that suits: plain, or of few cells."""
     rules = solve.rules[0]
-    n = before
     capped = judged.between <= rules.elastic_fraction * judged.touching
     patient = n.plain_done < rules.patience or judged.between == ZERO
     n.plain = wp.where(n.plain_left > 0 or (capped and patient), 1, 0)

@@ -72,9 +72,7 @@ def settle(
         inside = first_row >= wp.float64(parts.box[0]) and last_row <= wp.float64(parts.box[1])
         inside = inside and first >= wp.float64(parts.box[2]) and last <= wp.float64(parts.box[3])
         wears = wp.where(inside and solve.flags[Flag.HOLDS] == 1, 1, 0)
-        slide = slides[0]
-        slide.approach = solve.groups[0].level
-        slides[0] = slide
+        slides[0].approach = solve.groups[0].level
         parts.flags[PartFlag.WEARS] = wears
         parts.flags[PartFlag.GOES_ON] = wears
 
@@ -95,9 +93,7 @@ def book_part(
         numbers = solve.numbers[0]
         parts.left[n, SUMS + MAXIMA] = solve.groups[0].level
         parts.left[n, SUMS + MAXIMA + 1] = wp.float64(numbers.transforms_before + numbers.transforms)
-        slide = slides[0]
-        slide.first_column = wp.int32(-parts.left[n, SUMS + wp.static(int(PressureMost.FIRST_COLUMN))])
-        slide.end_column = wp.int32(parts.left[n, SUMS + wp.static(int(PressureMost.LAST_COLUMN))] + ONE)
-        slides[0] = slide
+        slides[0].first_column = wp.int32(-parts.left[n, SUMS + wp.static(int(PressureMost.FIRST_COLUMN))])
+        slides[0].end_column = wp.int32(parts.left[n, SUMS + wp.static(int(PressureMost.LAST_COLUMN))] + ONE)
         parts.numbers[0] = n + 1
         parts.flags[PartFlag.GOES_ON] = wp.where(n + 1 < parts.numbers[1], 1, 0)

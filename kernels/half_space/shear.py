@@ -125,9 +125,8 @@ def shift_of(xx: wp.float64, xy: wp.float64, yy: wp.float64, sums: wp.vec2d):
 
 
 @wp.func
-def shifted(shear: Shear, before: ShearNumbers, lines: Lines):
+def shifted(shear: Shear, n: ShearNumbers, lines: Lines):
     """Shift the trial on, until it carries the force, by Newton's method, damped more after it led away."""
-    n = before
     miss = n.force - wp.vec2d(lines[0], lines[1])
     n.missed = wp.where(n.forced == 1, wp.max(wp.abs(miss[0]), wp.abs(miss[1])) / n.bounds, ZERO)
     if n.missed < n.least:
@@ -146,9 +145,8 @@ def shifted(shear: Shear, before: ShearNumbers, lines: Lines):
 
 
 @wp.func
-def unshifted(before: ShearNumbers):
+def unshifted(n: ShearNumbers):
     """Begin to shift a trial."""
-    n = before
     n.shift = wp.vec2d(ZERO, ZERO)
     n.shifts = 0
     n.least = NONE

@@ -20,12 +20,10 @@ def judge_scatter(solve: Solve):
     """Decide whether extending the gradient pays: cells between the bounds lie in small spots then."""
     lines = search.all_lines(solve, 2, 2)
     if search.lane() == 0:
-        n = solve.numbers[0]
         extends = wp.where(lines[1] > solve.rules[0].scattered * lines[0], 1, 0)
-        n.extended = extends * solve.rules[0].tiled
+        solve.numbers[0].extended = extends * solve.rules[0].tiled
         solve.flags[Flag.EXTENDS] = extends
         solve.flags[Flag.EXTENDS_NOT] = 1 - extends
-        solve.numbers[0] = n
 
 
 @wp.kernel(module=TOGETHER)
@@ -39,15 +37,14 @@ def aim(solve: Solve):
     largest_r = ZERO
     for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 7, 9)
-        group = solve.groups[i]
-        group.descent_mean = wp.where(n.at_load == 1, lines[1] / wp.max(lines[0], ONE), ZERO)
-        zy += lines[4] - group.descent_mean * lines[3]
-        zr += lines[5] - group.descent_mean * lines[2]
+        mean = wp.where(n.at_load == 1, lines[1] / wp.max(lines[0], ONE), ZERO)
+        zy += lines[4] - mean * lines[3]
+        zr += lines[5] - mean * lines[2]
         sr += lines[6]
         largest_z = wp.max(largest_z, lines[7])
         largest_r = wp.max(largest_r, lines[8])
         if search.writes(solve):
-            solve.groups[i] = group
+            solve.groups[i].descent_mean = mean
     zy = search.over_groups(solve, zy, True)
     downhill = search.over_groups(solve, zr, True)
     sr = search.over_groups(solve, sr, True)
@@ -67,11 +64,9 @@ def aim(solve: Solve):
     leads_down = n.plain == 1 or downhill > ZERO
     for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 7, 9)
-        group = solve.groups[i]
         reach = wp.max(lines[7], lines[8] * n.outward)
-        group.unit = n.trial_length * reach
         if search.writes(solve):
-            solve.groups[i] = group
+            solve.groups[i].unit = n.trial_length * reach
     if search.lane() == 0:
         if not leads_down:
             n = without_memory(solve.rules[0], n)
@@ -80,9 +75,8 @@ def aim(solve: Solve):
 
 
 @wp.func
-def without_memory(rules: search.Rules, before: search.SearchNumbers):
+def without_memory(rules: search.Rules, n: search.SearchNumbers):
     """Stay where the pressure is, and follow the plain gradient next, without memory."""
-    n = before
     n.last = -1
     n.plain_left = rules.plain_steps
     n.whole = 0
@@ -91,12 +85,11 @@ def without_memory(rules: search.Rules, before: search.SearchNumbers):
 
 
 @wp.func
-def gone(rules: search.Rules, before: search.SearchNumbers, best: wp.float64, used: wp.float64):
+def gone(rules: search.Rules, n: search.SearchNumbers, best: wp.float64, used: wp.float64):
     """Go along a step as far as is best, which is where the minimum along it lies.
 
     best: in steps. used: largest fraction of its room to a bound that a cell uses in a whole step.
     """
-    n = before
     far = best > ONE and best * used > ONE
     n.moved = 1
     n.whole = wp.where(n.loaded == 0 or (best > rules.whole_step and best <= ONE) or far, 1, 0)
@@ -119,9 +112,8 @@ def gone(rules: search.Rules, before: search.SearchNumbers, best: wp.float64, us
 
 
 @wp.func
-def drifted(before: search.SearchNumbers):
+def drifted(n: search.SearchNumbers):
     """Note how far off the gradient may be once the step is gone."""
-    n = before
     n.drift = n.drift + n.length * n.step_drift
     return n
 
@@ -187,9 +179,7 @@ def aim_few(solve: Solve, few: ActiveSet):
     """Make the trial pressure the best one for the few cells that are open."""
     if wp.tid() == 0:
         solve.flags[Flag.AIMED_AT_FEW] = wp.where(move_few(solve, few, few.count[0]), 1, 0)
-        group = solve.groups[0]
-        group.shift = ZERO
-        solve.groups[0] = group
+        solve.groups[0].shift = ZERO
 
 
 @wp.kernel(module=TOGETHER)

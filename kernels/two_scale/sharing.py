@@ -105,17 +105,15 @@ def apart_of(free: wp.bool, point: wp.float64, common: wp.float64):
 def search_from(
     curves: Curves,
     load: SharedLoad,
-    before: SharingSearch,
+    s: SharingSearch,
     common_base: wp.float64,
     guess: wp.float64,
     low: wp.float64,
 ):
     """Begin a search at bases, with trial offsets that stand already. guess, low: of the bodies' offset."""
-    s = before
     s.common_base = common_base
-    b = roots.bracket_at(guess, wp.abs(guess))
-    b.low = low
-    s.bracket = b
+    s.bracket = roots.bracket_at(guess, wp.abs(guess))
+    s.bracket.low = low
     s.bracketed = wp.int32(0)
     s.waited = wp.int32(0)
     for k in range(lane(), curves.base.shape[0], width()):
@@ -124,20 +122,16 @@ def search_from(
 
 
 @wp.func
-def ended(before: SharingSearch, common: wp.float64, state: wp.int32):
+def ended(s: SharingSearch, common: wp.float64, state: wp.int32):
     """End a search at an offset of the bodies."""
-    s = before
-    b = s.bracket
-    b.offset = common
-    b.state = state
-    s.bracket = b
+    s.bracket.offset = common
+    s.bracket.state = state
     return s
 
 
 @wp.func
-def search_again(curves: Curves, load: SharedLoad, before: SharingSearch, common: wp.float64):
+def search_again(curves: Curves, load: SharedLoad, s: SharingSearch, common: wp.float64):
     """Begin the next search: from bases at the last approaches the offsets have digits again."""
-    s = before
     s.number += 1
     if s.number >= SEARCHES or not (wp.abs(common) < roots.HOPELESS):
         return ended(s, common, roots.STUCK)
@@ -148,9 +142,8 @@ def search_again(curves: Curves, load: SharedLoad, before: SharingSearch, common
 
 
 @wp.func
-def take_sure_step(curves: Curves, load: SharedLoad, before: SharingSearch, newton: wp.float64):
+def take_sure_step(curves: Curves, load: SharedLoad, s: SharingSearch, newton: wp.float64):
     """Take Newton's step where no patch leaves its straight line on the way: it needs no second look."""
-    s = before
     for k in range(lane(), curves.base.shape[0], width()):
         p = curves.answer[PRESSURE, k]
         slope = curves.answer[SLOPE, k]
@@ -252,12 +245,10 @@ def guess_offsets(curves: Curves, load: SharedLoad, s: SharingSearch, common: wp
 
 
 @wp.func
-def evaluated(curves: Curves, load: SharedLoad, before: SharingSearch):
+def evaluated(curves: Curves, load: SharedLoad, s: SharingSearch):
     """Return the search after an evaluation: at its end, or with the next trial approaches."""
-    s = before
+    s.bracket.evaluation += 1
     b = s.bracket
-    b.evaluation += 1
-    s.bracket = b
     s.evaluations += 1
     x = b.offset
     rigid = s.flexibility == ZERO
