@@ -61,7 +61,7 @@ class Search:
         groups: int,
         tiled: bool | None = None,
     ) -> None:
-        self._executor, self._operator, self._rules = executor, operator, rules
+        self._executor, self._operator = executor, operator
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
         self._single = operator.is_one and on_cpu and operator.cells >= LEAST_SINGLE
@@ -78,7 +78,11 @@ class Search:
         gathered = rows, LANES * executor.vectors * self._extends
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
 
-        self._kernel_rules = self._rules_for(groups)
+        told = vars(rules) | {"few": self._few, "tiled": int(self._tiled)}
+        told["single_rounding"] *= self._single
+        loads = {"load_tolerance": TOLERANCE, "certified_load": LOAD_TOLERANCE}
+        loads["group_cells"] = float(operator.cells / (grid.nx if groups > 1 else 1))
+        self._kernel_rules = Numbers(solve.Rules, device, written=False, **told, **loads)
         #: The search as kernels take it.
         self.arguments = arguments(
             solve.Solve,
@@ -245,34 +249,28 @@ class Search:
 
     def _precondition(self, program: Program) -> None:
         """Make the descent of the free cells from their gradient, extended to the others where that pays."""
-        search, trial = self.arguments, self.arguments.fields.trial
-        if not self._extends:
+        trial = self.arguments.fields.trial
+        if self._extends:
+            self._pass(program, passes.scatter)
+            program.decide(steps.judge_scatter, self.arguments)
+        with self._only_if(program, Flag.EXTENDS_NOT, self._extends and self._tiled):
             self._pass(program, passes.residual)
-            if self._yields:
-                self._pass(program, passes.weigh)
-            self._operator.add_inverse(program, trial, trial)
-            if self._yields:
-                self._pass(program, passes.weigh)
+        self._go_beyond(program, passes.extend, (0, 1))
+        self._operator.add_inverse(program, trial, trial)
+        self._go_beyond(program, passes.gather, (2, 3, 4))
+
+    def _go_beyond(self, program: Program, by_tiles: Any, numbers: tuple[int, ...]) -> None:
+        """Extend the free cells, or gather what others give back, by tiles or by passes of these numbers."""
+        if self._yields:
+            self._pass(program, passes.weigh)
+        if not self._extends:
             return
-        self._pass(program, passes.scatter)
-        program.decide(steps.judge_scatter, search)
-        if self._tiled:
-            blocks = -(-self._executor.grid.nx // passes.ROWS)
-            with program.branch(self.arguments.flags, Flag.EXTENDS):
-                program.launch(passes.extend, search, slots=blocks)
-            with program.branch(self.arguments.flags, Flag.EXTENDS_NOT):
-                self._pass(program, passes.residual)
-            self._operator.add_inverse(program, trial, trial)
-            with program.branch(self.arguments.flags, Flag.EXTENDS):
-                program.launch(passes.gather, search, slots=blocks)
-            return
-        self._pass(program, passes.residual)
-        for numbers in ((0, 1), (2, 3, 4)):
-            with program.branch(self.arguments.flags, Flag.EXTENDS):
-                for number in numbers:
-                    self._pass(program, passes.extend_once, number)
-            if numbers[0] == 0:
-                self._operator.add_inverse(program, trial, trial)
+        with program.branch(self.arguments.flags, Flag.EXTENDS):
+            if self._tiled:
+                program.launch(by_tiles, self.arguments, slots=-(-self._executor.grid.nx // passes.ROWS))
+                return
+            for number in numbers:
+                self._pass(program, passes.extend_once, number)
 
     def _move_few(self, program: Program) -> None:
         """Solve the few cells that may still change between 0, free and the cap directly, all at once."""
@@ -297,15 +295,6 @@ class Search:
 
     def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
         program.launch(kernel, self.arguments, *more, slots=self._slots, chunks=self._chunks)
-
-    def _rules_for(self, groups: int) -> Numbers:
-        """Return the rules as kernels take them."""
-        rules = vars(self._rules) | {"few": self._few, "tiled": int(self._tiled)}
-        rules["single_rounding"] *= self._single
-        cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
-        loads = {"load_tolerance": TOLERANCE, "certified_load": LOAD_TOLERANCE}
-        device = self._executor.device
-        return Numbers(solve.Rules, device, written=False, **rules, **loads, group_cells=float(cells))
 
 
 def room_for_few(most: int, device: Any, shape: tuple[int, int], elastic: Field, along: Field) -> Any:
