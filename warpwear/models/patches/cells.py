@@ -7,15 +7,12 @@ import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
-from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import tile_extremes
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
-from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import film
-from warpwear.kernels.sliding import Slide
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Place
@@ -30,7 +27,7 @@ class PatchContact:
     """
 
     STATE: ClassVar = {"gap": InFrame("contact"), "features": Features}
-    SCRATCH: ClassVar = ("slides", "bare", "surfaces", "_worn")
+    SCRATCH: ClassVar = ("bare", "surfaces", "_worn")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.initial = gap_over(task.form, heights, executor, patches)
@@ -41,10 +38,7 @@ class PatchContact:
         #: Worn by both bodies [mm], where a feature asks for it.
         self._worn = executor.zeros(0 if task.film is None else None)
         self.features = Features.of(replace(task, profiles=None), executor, {"worn": self._worn})
-        #: The step, and how many cells of each patch were bare under its pressure.
-        self.slides = Numbers(
-            Slide, executor.device, written=False, rows=patches.count, end_column=executor.vectors * LANES
-        )
+        #: How many cells of each patch were bare under the pressure of a step.
         self.bare = wp.zeros((1, patches.count), dtype=wp.float64, device=executor.device)
         self.surfaces = arguments(
             kernels.Surfaces,
@@ -65,17 +59,15 @@ class PatchContact:
         members = {name: getattr(self.surfaces, name) for name in kind.vars}
         return arguments(kind, **members | {"cells": cells})
 
-    def ask(self, hook: str, program: Program) -> None:
+    def ask(self, hook: str, program: Program, slides: Field) -> None:
         """Let features add to a program what they do before a step or after it, of what is worn then."""
         if self.features:
             program.launch(kernels.worn, self.surfaces, self._worn, slots=self.gap.shape[0])
-            self.features.ask(hook, program, Place(self.slides.array))
+            self.features.ask(hook, program, Place(slides))
 
-    def add_bare(self, program: Program, pressure: Field) -> None:
+    def add_bare(self, program: Program, pressure: Field, slides: Field) -> None:
         """Add to a program that it counts the bare cells of each patch under a pressure."""
         cells = self.features.cells
         if cells.material is not None:
             slots = self.gap.shape[0]
-            program.launch(
-                film.bare_under_pressure, self.slides.array, cells, pressure, self.bare, slots=slots
-            )
+            program.launch(film.bare_under_pressure, slides, cells, pressure, self.bare, slots=slots)

@@ -66,10 +66,8 @@ class TwoScaleModel(Model):
         shared = {"gap": contact.gap, "unworn": contact.initial, "together": contact.features}
         self._wears = PatchWear(task, patches, executor, self._ledger, **shared)
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
-        lowest = self.contact.lowest
-        self.sharing = LoadSharing(
-            executor, lowest, load=task.load, area=patches.area, hardness=task.hardness
-        )
+        like = {"load": task.load, "area": patches.area, "hardness": task.hardness}
+        self.sharing = LoadSharing(executor, contact.lowest, **like)
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
         count, device, rows = patches.count, executor.device, self.longest_block
         #: By which the approaches of the next step are foreseen: of the bodies, and of every patch.
@@ -94,7 +92,7 @@ class TwoScaleModel(Model):
             kernels.Steps,
             device,
             load=self.sharing.load,
-            lowest=float(lowest.min()),
+            lowest=float(contact.lowest.min()),
             cell=patches.domain.cell,
             cell_area=patches.domain.cell_area,
             weight=patches.weight,
@@ -114,10 +112,10 @@ class TwoScaleModel(Model):
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
-        self.contact.ask("make_all", self._find)
+        contact.ask("make_all", self._find, self._wears.slides.array)
         self._add_find(self._find, contact.surfaces)
         self._add_wear(self._wear)
-        self.contact.ask("after_part", self._wear)
+        contact.ask("after_part", self._wear, self._wears.slides.array)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
             self._add_find(self._many, contact.surfaces)
@@ -190,7 +188,7 @@ class TwoScaleModel(Model):
         if not self._wears.together([increment]):
             return self._advance_apart(increment, with_pressure=with_pressure)
         removals = self._begin([increment], then)
-        self.contact.slides.set(start=distance, end=distance + increment)
+        self._wears.slides.set(start=distance, end=distance + increment)
         self._find.run()
         self.check()
         field = self._press() if with_pressure or features else None
@@ -267,7 +265,7 @@ class TwoScaleModel(Model):
             inputs = self._steps, self.sharing.curves, self.contact.surfaces, self._pressure
             self._pass(self._press_program, passes.pressures, *inputs)
             if self.contact.features:
-                self.contact.add_bare(self._press_program, self._pressure)
+                self.contact.add_bare(self._press_program, self._pressure, self._wears.slides.array)
         self._press_program.run()
         return self._pressure
 

@@ -53,9 +53,8 @@ class PatchWear:
         self._task, self._executor, self.ledger = task, executor, ledger
         self._layout, count = layout_of(executor, patches), patches.count
         self._shared, self._together = shared, shared["together"]
-        self.slides = Numbers(
-            Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
-        )
+        steps = {"window": 1, "rows": count, "end_column": executor.vectors * LANES}
+        self.slides = Numbers(Slide, executor.device, written=False, **steps)
         self._place = Place(self.slides.array)
         self._sums, self._maxima, self._disc = (
             wp.zeros(shape, dtype=wp.float64, device=executor.device)
