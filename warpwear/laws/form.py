@@ -83,7 +83,8 @@ class Form:
 
         heights: of the disc [mm], shape (x.size, y.size). A ball's are as they are: kernels make its own.
         """
-        return heights if self.is_flat else heights - np.minimum(self.heights(x, y), NOTHING)
+        made = self.is_flat or self.curvature > 0.0
+        return heights if made else heights - np.minimum(self.heights(x, y), NOTHING)
 
     def worn(self, volume: float, extent: tuple[float, float]) -> tuple[float, float]:
         """Return the widths [mm] along and across of what a plane cuts off, of a volume [mm³].
@@ -129,10 +130,6 @@ class Ball(Form):
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return the ball's `sag` [mm] at the points x × y [mm]."""
         return sag(x, y, radius=1.0 / self.along)
-
-    def beneath(self, heights: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Return the disc's heights as they are [mm]."""
-        return heights
 
 
 @dataclass(frozen=True)
