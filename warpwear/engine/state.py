@@ -4,8 +4,8 @@ A part is an object with a `STATE`, which names the attributes that steps change
 
     STATE = {"gap": InFrame("contact"), "tiles": Tiles, "_last": Balance, "_done": int}
 
-Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses of
-numbers, arrays and None are made anew. What cells, tiles or rows of a body have declares its frame, by
+Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses of numbers, arrays
+and None are made anew. What cells, tiles or rows of a body have declares its frame, by
 which it follows a disc that is changed: see `frames`. A part that must do more, once it is restored, does it
 in `restored()`. What else steps change of it is made anew before it is read: these attributes are its
 `SCRATCH`.
@@ -192,9 +192,9 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         return None
     if isinstance(kind, InFrame):
         kind = dict  # of arrays: others were met above
-    if is_dataclass(kind):
-        taken = {f.name: _take(f.type, None, saved[f.name], f"{path}.{f.name}", arrays) for f in fields(kind)}
-        return kind(**taken)
+    if isinstance(kind, type) and is_dataclass(kind):
+        named = {f.name: f.type for f in fields(kind)}
+        return kind(**{n: _take(of, None, saved[n], f"{path}.{n}", arrays) for n, of in named.items()})
     if isinstance(saved, Mapping):
         kinds = kind if isinstance(kind, Mapping) else {}
         if not kinds and (get_origin(kind) or kind) not in (dict, Mapping):
