@@ -27,20 +27,12 @@ WARPWEAR_FN void visit_patch(const Surfaces& surfaces, int patch, const Reaches&
 {
     const double* const lowest = &wp::index(surfaces.lowest, patch, 0);
     const int of_line = surfaces.layout.vectors * OF_VECTOR, tiles = (of_line + OF_TILE - 1) / OF_TILE;
-#if defined(__CUDA_ARCH__)
-    for (int n = threadIdx.x; n < surfaces.lowest.shape[1] * OF_TILE; n += blockDim.x) {
-        const int tile = n / OF_TILE, line = tile / tiles;
-        const int place = (tile - line * tiles) * OF_TILE + n % OF_TILE;
-        if (reaches(lowest[tile]) && place < of_line) visit(line, place);
-    }
-#else
-    for (int tile = 0; tile < surfaces.lowest.shape[1]; ++tile) {
+    for (int tile = team_of_slot(); tile < surfaces.lowest.shape[1]; tile += teams_of_slot()) {
         if (!reaches(lowest[tile])) continue;
-        const int line = tile / tiles, first = (tile - line * tiles) * OF_TILE;
-        const int end = first + OF_TILE < of_line ? first + OF_TILE : of_line;
-        for (int place = first; place < end; ++place) visit(line, place);
+        const int line = tile / tiles, first = (tile - line * tiles) * OF_TILE + lane_of_team();
+        for (int place = first; place < first + OF_TILE; place += TEAM) // once on a GPU
+            if (place < of_line) visit(line, place);
     }
-#endif
 }
 
 // Give what was added up of a patch as its mean pressure, slope, and way of a straight line.

@@ -71,13 +71,11 @@ struct Books {
             book[DEPTH_LOST][m] += here ? lost : zero;
         }
         if (within || materials.count == 0) return;
-#if defined(__CUDA_ARCH__)
-        book_cell(materials, depth, pressure, k, touches, book);
-#else
-        for (int j = 0; j < LANES; ++j)
-            if (pressure[j] + touches[j] > 0.0)
-                book_cell(materials, depth[j], pressure[j], k, touches[j], book);
-#endif
+        const auto book_one = [&](double d, double p, double touched) {
+            if (p + touched > 0.0) book_cell(materials, d, p, k, touched, book);
+            return 0.0;
+        };
+        each_lane(book_one, depth, pressure, touches);
     }
 
     // Book cells under a pressure. borne: what each body sees of it.
