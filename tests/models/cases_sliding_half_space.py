@@ -33,7 +33,7 @@ def heights(rows: int = ROWS) -> FloatArray:
 
 def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> SlidingHalfSpace:
     contact = SlidingHalfSpace(study.contact_task, disc.copy(), executor, **options)
-    contact._half_space._law["tolerance"], contact.on_the_way = TIGHT, None
+    contact._half_space.tolerance, contact.on_the_way = TIGHT, None
     return contact
 
 

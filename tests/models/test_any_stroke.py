@@ -96,7 +96,7 @@ def steps_of(
             flat = np.zeros((study.track.rows, SIDE))
             model = SweptModel(study.contact_task, study.track, flat, executor)
             if isinstance(model.contact, SlidingHalfSpace):
-                model.contact._half_space._law["tolerance"], model.contact.on_the_way = TIGHT, None
+                model.contact._half_space.tolerance, model.contact.on_the_way = TIGHT, None
             return model
 
         model = fresh()

@@ -116,7 +116,7 @@ def test_a_half_space_at_rest_is_that_of_the_dense_matrix(
     with Executor(grid, device=device, threads=1) as executor:
         task = task_of(profiles, load=load, form=BALL, **HALF_SPACE)
         contact = SlidingHalfSpace(task, heights, executor, moves=False)
-        contact._half_space._law["tolerance"] = 1e-11
+        contact._half_space.tolerance = 1e-11
         wears_through = []
         for _ in range(12):
             step = contact.step(0, increment, with_pressure=True)

@@ -222,12 +222,7 @@ class WindowedHalfSpace:
         grid = executor.grid
         #: Tolerance of contacts that are asked for no other.
         self.tolerance = tolerance
-        self._law: dict[str, Any] = {
-            "modulus": modulus,
-            "boundary": boundary,
-            "hardness": hardness,
-            "tolerance": tolerance,
-        }
+        self._law: dict[str, Any] = {"modulus": modulus, "boundary": boundary, "hardness": hardness}
         self._law["datum"] = grid.nx * grid.cell
         is_long = grid.nx >= LEAST_LONG * grid.ny
         self._has_windows = boundary == "free" or (boundary == "line" and is_long)
