@@ -29,7 +29,7 @@ LEFT_OUT = {
     },
     "docs/developer/programs.md": {"program.loop(": "a part of warpwear/contact/search.py"},
     "docs/developer/kernels.md": {
-        "def carried(": "tests/docs/test_kernels_page.py runs it",
+        "carried = native_pass(": "tests/docs/test_kernels_page.py runs it",
         "compile_aot_module(": "takes half a minute",
     },
 }

@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "developer" / "kernels.md"
 #: What the page names before its example, or has named elsewhere.
 IMPORTS = """import warp as wp
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import Cells
+from warpwear.kernels.cells import FIELD, TABLE, Cells
 
 """
 
@@ -26,7 +26,7 @@ def test_the_pass_that_is_shown_adds_up(tmp_path: Path, monkeypatch: pytest.Monk
     page = PAGE.read_text(encoding="utf-8")
     (header,) = re.findall(r"```cpp\n(.*?)```", page, re.DOTALL)
     (headers / "my_pass.h").write_text(header, encoding="utf-8")
-    (source,) = re.findall(r"```python\n(wp.set_module_options.*?)```", page, re.DOTALL)
+    (source,) = re.findall(r"```python\n(native_pass = .*?)```", page, re.DOTALL)
     (tmp_path / "shown.py").write_text(IMPORTS + source, encoding="utf-8")
     spec = importlib.util.spec_from_file_location("shown", tmp_path / "shown.py")
     assert spec is not None

@@ -55,7 +55,7 @@ class Search:
         hardness: float,
         rules: SearchRules,
         fields: Mapping[str, Field],
-        cap_ratio: Field | None,
+        cap_ratio: Field | None = None,
         yields: Field | None = None,
         streak_yields: Field | None = None,
         groups: int,

@@ -134,11 +134,9 @@ class BoundedPressure:
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
-        cap_ratio: Field | None = None,
-        yields: Field | None = None,
-        streak_yields: Field | None = None,
         certified: bool | None = True,
         then: Callable[[Search], Program] | None = None,
+        **own: Field | None,
     ) -> HalfSpaceContact:
         """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
@@ -147,19 +145,18 @@ class BoundedPressure:
         the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of both
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
-        line. cap_ratio: of the hardness, 0 < ratio ≤ 1, that cells bear; None: all of it. yields: compliance
-        that each cell has beside these [mm/MPa]; None: none. streak_yields: that of streaks of each cell,
-        instead of one of all. certified: whether to certify the pressure, for one more pair of transforms;
-        None: if it is found from nothing. then: the program that follows a search before the host looks.
+        line. certified: whether to certify the pressure, for one more pair of transforms; None: if it is
+        found from nothing. then: the program that follows a search before the host looks. own: fields by
+        which cells differ: cap_ratio, of the hardness, 0 < ratio ≤ 1, that they bear; yields, compliance that
+        they have beside these [mm/MPa]; streak_yields, that of streaks of each, instead of one of all.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
         """
         loads = self._loads(mean_pressure, approach)
         certified = not self.started if certified is None else certified
-        own = {"cap_ratio": cap_ratio, "yields": yields, "streak_yields": streak_yields}
         search = self.search_for(gap, own, groups=isinstance(mean_pressure, np.ndarray))
-        if streak_yields is not None:
+        if own.get("streak_yields") is not None:
             search.streak(streak_window or self._executor.grid.nx)
         request = self.request(compliance, streak_compliance, streak_window, tolerance=self.tolerance)
         request |= {Request.AT_LOAD: loads is not None, Request.CERTIFIED: certified}
@@ -201,7 +198,7 @@ class BoundedPressure:
 
     def search_for(self, gap: Field, own: Mapping[str, Field | None], *, groups: bool) -> Search:
         """Return the search for contacts with a gap, caps and compliances; it is made once for each."""
-        asked = gap.ptr, *(None if field is None else field.ptr for field in own.values()), groups
+        asked = gap.ptr, {name: field.ptr for name, field in own.items() if field is not None}, groups
         if self._search is None or asked != self._searched:
             self._search = None  # and its memory, before the next takes its own
             self._search = Search(
