@@ -24,7 +24,7 @@ from warpwear.models.track import local
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.plan import plan_of
-from warpwear.study import content
+from warpwear.study import movement
 
 
 def positions(track: str, rows: int) -> Iterator[tuple[int, int]]:
@@ -303,6 +303,6 @@ def test_longer_steps_change_a_capped_area_by_little(monkeypatch: pytest.MonkeyP
 
     finest = area(1)
     assert abs(area(8) / finest - 1.0) < 0.01
-    monkeypatch.setattr(content, "spread_over", lambda cells: 0)
+    monkeypatch.setattr(movement, "spread_over", lambda cells: 0)
     assert area(1) == finest
     assert area(8) / finest - 1.0 > 0.04
