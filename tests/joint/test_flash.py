@@ -98,6 +98,8 @@ def test_the_wake_does_not_come_round() -> None:
         (Heated(1.0, 0.0, 0.0), Heated(3.0, 0.5, 0.0)),
         (Heated(1.0, 0.3, 0.1), Heated(0.2, 5.0, 0.0)),
         (Heated(2.0, 30.0, 0.0), Heated(2.0, 0.0, -0.4)),
+        (Heated(400.0, 30.0, 0.0), Heated(0.02, 0.0, 0.0)),
+        (Heated(0.02, 0.0, 0.0), Heated(400.0, 30.0, 0.0)),
     ],
 )
 def test_both_bodies_are_as_hot(bodies: tuple[Heated, Heated]) -> None:
@@ -115,6 +117,16 @@ def test_both_bodies_are_as_hot(bodies: tuple[Heated, Heated]) -> None:
     assert_allclose(other, temperature[touches], atol=1e-3 * rise_alone)
     assert not into[~touches].any()
     assert np.isnan(temperature[~touches]).all()
+
+
+def test_far_hotter_below() -> None:
+    """Of a body that is hotter by far more than friction makes, the contact conducts the difference."""
+    heat = spots().pressure
+    bodies = [Heated(2.0, 0.3, 0.0), Heated(0.5, 0.0, 1e5)]
+    into, _ = shared(1e-3 * heat, bodies, cell=0.5, workers=1)
+    touches = heat > 0.0
+    exact = np.linalg.solve(sum(dense(body, touches, 0.5) for body in bodies), np.full(touches.sum(), 1e5))
+    assert_allclose(into[touches], exact, atol=1e-4 * exact.max())
 
 
 def test_shares() -> None:
