@@ -95,7 +95,8 @@ def test_what_cannot_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
         patched.setattr("warpwear.history.joint.MOST_HEATED", 9)
         assert told()[0]["flash_unknown"] == "too many cells"
     with monkeypatch.context() as patched:
-        patched.setattr("warpwear.contact.joint.flash.TOLERANCE", 1e-30)
+        for limit in ("TOLERANCE", "ROUNDING"):
+            patched.setattr(f"warpwear.contact.joint.flash.{limit}", 1e-30)
         assert "could not be made the same" in told()[1]
 
 
