@@ -218,6 +218,8 @@ def test_gap_and_film_add_what_they_conduct_and_resist() -> None:
     alone, apart = contact.conductance(2.0), contact.gap[contact.pressure == 0.0]
     filled = contact.conductance(2.0, gap_conductivity=0.5, jump=0.1)
     assert filled - alone == pytest.approx(0.5 * 0.1**2 * np.sum(1.0 / (apart + 0.1)))
+    with pytest.raises(InputError, match="jump = None is not possible"):
+        contact.conductance(2.0, gap_conductivity=0.5)
     resistance = 1e4  # beside which the constriction is nothing
     filmed = contact.conductance(2.0, film_resistance=resistance)
     assert filmed == pytest.approx(contact.area / resistance, rel=1e-3)

@@ -110,8 +110,10 @@ class ArrayContact:
             k_s = 2 k₁ k₂ / (k₁ + k₂) of both bodies, thermal or electrical; 1 returns a length.
         **options
             film_resistance, of a film on the area in contact, resistance × area; gap_conductivity of a gas or
-            grease in the gap, and jump, a length by which that is longer for it: what they conduct is added
-            as if it flowed straight across; boundary, by default that of the half-space; device and threads.
+            grease in the gap, with jump, a length by which that is longer for it and which it needs: without
+            it, cells at the rims of spots would conduct the more the smaller they are. What it conducts is
+            added as if it flowed straight across. boundary, by default that of the half-space; device and
+            threads.
 
         Returns
         -------

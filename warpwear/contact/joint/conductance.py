@@ -172,7 +172,8 @@ def conductance(
     total = k * of_contact(contact, film=k * (film or 0.0), **where).length
     if filling is None:
         return total
-    apart = contact.gap[contact.pressure == 0.0] + (number("jump", jump) or 0.0)
+    # Beside a rim the gap grows by d^{3/2}: without a length on top of it the sum is of the rim's cells.
+    apart = contact.gap[contact.pressure == 0.0] + number("jump", jump, optional=False)
     return total + filling * contact.cell**2 * float(np.sum(1.0 / apart))
 
 
