@@ -94,6 +94,16 @@ def test_a_strip_conducts_by_the_logarithm_of_the_distance(columns: int, device:
     assert np.ptp(found.flux, axis=1).max() < 1e-3 * found.flux.max()
 
 
+@pytest.mark.parametrize("ratio", [2.0, 4.0])
+def test_an_elliptic_spot_conducts_by_an_elliptic_integral(ratio: float) -> None:
+    """Of the half axes a and b it is π a / K(1 − b²/a²)."""
+    b = 8.0 * math.sqrt(2.0)
+    x = np.arange(128) - 63.5
+    spot = np.hypot(x[:, np.newaxis] / (ratio * b), x / b) <= 1.0
+    found = conduction(spot, cell=1.0, boundary="free").length
+    assert found == pytest.approx(math.pi * ratio * b / special.ellipk(1.0 - ratio**-2), rel=0.01)
+
+
 def test_spots_of_a_lattice_conduct_less_than_alone() -> None:
     """Beside a tube round about each, whose constriction is 1 − 1.40978 ε + 0.34406 ε³ of that alone."""
     for radius in (16, 32):
