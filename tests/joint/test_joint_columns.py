@@ -23,12 +23,17 @@ SMOOTH = {
 
 def test_a_run_has_the_columns_that_it_asks_for() -> None:
     """Of a smooth ball the contact conducts 2a of Hertz, and its stiffness is that times E*."""
-    study = warpwear.Study.load("v3-fine").replace(SMOOTH | {"output.joint": ["stiffness", "conductance"]})
+    metals = {"counter.conductivity": "20 W/m/K", "disc.conductivity": "60 W/m/K"}
+    metals |= {"counter.resistivity": "1e-6 ohm*m", "disc.resistivity": "3e-7 ohm*m"}
+    asked = {"output.joint": ["stiffness", "conductance"]}
+    study = warpwear.Study.load("v3-fine").replace(SMOOTH | metals | asked)
     result = warpwear.run(study)
     table, hertz = result.surface_evolution.table, study.pair.hertz
     assert hertz is not None
     assert table["conductance_length"] == pytest.approx([2.0 * hertz.radius] * 2, rel=0.02)
     assert table["stiffness_loading"] == pytest.approx(hertz.modulus * table["conductance_length"])
+    assert table["conductance_heat"] == pytest.approx(2e-3 * table["conductance_length"] / (1 / 20 + 1 / 60))
+    assert table["conductance_charge"] == pytest.approx(table["conductance_length"] / (500 * (1e-6 + 3e-7)))
     assert table["stiffness_unloading"].tolist() == table["stiffness_loading"].tolist()
 
 

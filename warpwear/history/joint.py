@@ -1,7 +1,7 @@
 """What output.joint asks for: what the contact of a snapshot conducts and lets through, how hot it gets."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,7 +53,17 @@ def columns_at(study: Study, snapshot: Snapshot, history: Mapping[str, FloatArra
     if {*asked} - {"flash"}:
         contact = contact_of(study, snapshot, float(history["load"][at]))
         row |= {n: of(contact) for n, of in COLUMNS.items() if n.partition("_")[0] in asked}
+    if "conductance" in asked:
+        # As if both bodies were of the mean of their resistivities, of heat 1/conductivity; lengths are mm.
+        heat, charge = _constants(study, ("conductivity", "resistivity"))
+        for name, resists in {"conductance_heat": 1.0 / heat, "conductance_charge": charge}.items():
+            row[name] = 2.0e-3 * row["conductance_length"] / float(np.sum(resists))
     return row
+
+
+def _constants(study: Study, names: Sequence[str]) -> FloatArray:
+    """Return constants of both bodies, shape (names, disc and counter-body), NaN where one is not known."""
+    return np.array([[getattr(b, name) for b in (study.disc, study.counter)] for name in names], np.float64)
 
 
 def flash_of(study: Study, snapshot: Snapshot | None, *, cof: float) -> Flash | str:
@@ -61,10 +71,8 @@ def flash_of(study: Study, snapshot: Snapshot | None, *, cof: float) -> Flash | 
 
     The disc moves at its mean speed through a contact that stays on the counter-body; heat goes by pressure.
     """
-    bodies = {"disc": study.disc, study.counter.name: study.counter}
-    values = [[getattr(body, name) for body in bodies.values()] for name in HEAT]
-    constants = np.array(values, dtype=np.float64)  # of which None is not a number
-    missing = [f"{HEAT[i]} of the {[*bodies][j]}" for i, j in np.argwhere(np.isnan(constants))]
+    constants, bodies = _constants(study, HEAT), ("disc", study.counter.name)
+    missing = [f"{HEAT[i]} of the {bodies[j]}" for i, j in np.argwhere(np.isnan(constants))]
     slid = 0.0 if snapshot is None else snapshot.distance * (1.0 - 1.0e-9)
     speed = next((block.speed for block in study.blocks if slid <= block.end), study.blocks[-1].speed)
     others = {"sliding speed": speed, "coefficient of friction": cof > 0.0}

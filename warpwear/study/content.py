@@ -44,8 +44,9 @@ class Content(Movement):
         for name, value in self.resolved.items():
             section, _, last = name.partition(".")
             content[section][last] = value
-        # Of a material's constants those of heat need no place unless a column is kept that goes by them.
-        needless = ("resistivity", *(() if "flash" in self.output.joint else HEAT))
+        # Of a material's constants some need no place unless a column is kept that goes by them.
+        needed = {"flash": HEAT, "conductance": ("conductivity", "resistivity")}
+        needless = {*HEAT, "resistivity"}.difference(*(needed.get(name, ()) for name in self.output.joint))
         left = {f"{body}.{name}" for body in BODIES for name in needless} - self.given_keys
 
         def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
