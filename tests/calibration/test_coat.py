@@ -67,6 +67,7 @@ def test_volumes_tell_the_same_as_the_diameters_they_are_of() -> None:
     assert 1e3 * found.substrate.median == pytest.approx(8e-4, rel=0.01)
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_made_the_craters() -> None:
     """Of 200 made cases, 83 to 97 % of the intervals of 90 % hold each coefficient."""
     random, inside = np.random.default_rng(0), np.zeros(2)

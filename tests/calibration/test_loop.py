@@ -117,6 +117,7 @@ def test_a_force_on_the_other_body_tells_the_same(tmp_path: Path) -> None:
         assert told[name] == pytest.approx(expected[name], rel=1e-6), name
 
 
+@pytest.mark.slow
 def test_noise_makes_no_force_and_is_told_as_errors(tmp_path: Path) -> None:
     """The largest of noisy points is 0.1 above the force at the tips; errors hold what 40 loops scatter."""
     names = ("coefficient", "force", "slip", "energy")

@@ -161,6 +161,7 @@ def test_zero_overshoot_is_a_number() -> None:
     assert told["next_low"] == 0.0
 
 
+@pytest.mark.slow
 def test_laboratories_are_told_how_the_next_test_will_be() -> None:
     """Three loads, three repeats, a hidden scatter: 200 laboratories with three numbers each."""
     dice = np.random.default_rng(7)

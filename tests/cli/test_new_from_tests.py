@@ -198,6 +198,7 @@ def test_keys_of_a_study_may_stand_beside_the_tests(tmp_path: Path) -> None:
     assert re.search(r'sq = "0.02 um" +# given\n', text)
 
 
+@pytest.mark.slow
 def test_tests_under_other_loads_are_of_the_study_s_by_the_trend(tmp_path: Path) -> None:
     """K falls from 5 N to 10 N by what the profiles have; a study of 7 N lies on the line through both."""
     tests = [

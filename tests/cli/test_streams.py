@@ -47,7 +47,11 @@ def test_a_run_outlives_the_reader_of_its_messages(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "command", [f"run v3-fine {QUICK.removesuffix('--no-plots')}", f"sweep v3-fine {VARIED} --workers 1"]
+    "command",
+    [
+        f"run v3-fine {QUICK.removesuffix('--no-plots')}",
+        pytest.param(f"sweep v3-fine {VARIED} --workers 1", marks=pytest.mark.slow),
+    ],
 )
 def test_nothing_is_left_open(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor does anything else warn: every warning of Python is an error here."""

@@ -157,6 +157,7 @@ def test_a_panel_may_lie_in_a_part_of_a_figure(results: dict[str, Result]) -> No
     assert results["rough"].plot.areas(ax=part.subplots()) is figure
 
 
+@pytest.mark.slow
 def test_a_film_has_a_frame_a_snapshot(
     results: dict[str, Result], tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:

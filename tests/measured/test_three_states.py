@@ -66,6 +66,7 @@ def test_the_errors_of_300_courses_hold_what_they_say(together: float) -> None:
     assert abs(two - 0.95) <= 0.03
 
 
+@pytest.mark.slow
 def test_the_errors_of_60_courses_hold() -> None:
     one, two = covered(range(60), 0.0)
     assert 0.56 <= one <= 0.8

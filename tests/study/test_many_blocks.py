@@ -37,7 +37,9 @@ def programme(how: str, count: int, **last: Any) -> Study:
     )
 
 
-@pytest.mark.parametrize("how", WAYS)
+@pytest.mark.parametrize(
+    "how", [pytest.param(way, marks=[] if way == "strokes" else pytest.mark.slow) for way in WAYS]
+)
 def test_ten_thousand_blocks_are_shown_in_seconds(how: str) -> None:
     started = time.process_time()
     study = programme(how, MOST_BLOCKS)

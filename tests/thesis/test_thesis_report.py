@@ -20,6 +20,8 @@ from report import judge, main, thesis_report
 
 from warpwear import InputError, Study
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("item", ALL_ITEMS, ids=lambda item: item.id)
 def test_a_rule_names_what_there_is(item: Item, content: dict) -> None:

@@ -90,6 +90,7 @@ def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
         assert np.std(sums) / np.mean(sums) < 0.10
 
 
+@pytest.mark.slow
 def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path: Path) -> None:
     """Twice the load or radius makes a scar 2^¼ as large: the scar tells the sum of both wears as
     well or better, its error and a cell's rounding being a smaller part of it."""

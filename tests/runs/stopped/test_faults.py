@@ -67,7 +67,7 @@ def small_disks() -> bool:
     )
 
 
-@pytest.mark.parametrize("count", [6, pytest.param(60, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [3, pytest.param(60, marks=pytest.mark.slow)])
 def test_a_disk_that_fills(count: int, tmp_path: Path) -> None:
     """From 1 MiB to more than enough: full at the start, a snapshot, a checkpoint, a table, a figure."""
     if not small_disks():

@@ -1,5 +1,6 @@
 """Programmes whose blocks have strokes and circles of their own."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,11 @@ ON_STROKES = {
 }
 
 
+def quick(cases: Iterable[str], *, slow: str) -> list[Any]:
+    """All cases, of which one is slow."""
+    return [pytest.param(case, marks=pytest.mark.slow if case == slow else []) for case in cases]
+
+
 def of_strokes(case: str) -> Study:
     """A programme whose blocks differ in stroke, which on a representative track is three times as long."""
     study, changes = ON_STROKES[case]
@@ -44,7 +50,7 @@ def of_strokes(case: str) -> Study:
     return study.replace(changes).replace(block=blocks)
 
 
-@pytest.mark.parametrize("case", ON_STROKES)
+@pytest.mark.parametrize("case", quick(ON_STROKES, slow="representative, half-space"))
 def test_blocks_of_other_strokes_wear_one_disc(case: str, tmp_path: Path, device: str) -> None:
     """Volumes are Σ K F L, places those of each stroke, and a run that was stopped goes on."""
     study = of_strokes(case)
@@ -122,6 +128,7 @@ def test_strokes_that_do_not_follow_each_other_are_refused() -> None:
     assert Study.stored(track.to_toml()) == track
 
 
+@pytest.mark.slow
 def test_cycles_that_stand_for_many_stay_within_their_block(tmp_path: Path, device: str) -> None:
     """Jumped-over cycles too wear by the load of their block; a run stopped in the second goes on."""
     jumps = {"stepping.jump": 4, "counter.radius": "3 mm"}
@@ -169,7 +176,7 @@ def of_circles(case: str, revolutions: tuple[int, ...] = (2, 1, 1), **changes: A
     return small("rotating").replace(ON_CIRCLES[case] | changes).replace(block=blocks)
 
 
-@pytest.mark.parametrize("case", ON_CIRCLES)
+@pytest.mark.parametrize("case", quick(ON_CIRCLES, slow="pieces"))
 def test_a_programme_slides_on_circles_of_its_disc(case: str, tmp_path: Path, device: str) -> None:
     """Volumes are Σ K F L, the ball keeps its wear, and a run that is stopped on either circle goes on."""
     study = of_circles(case)
@@ -214,6 +221,7 @@ def test_each_circle_goes_its_own_way(case: str, device: str) -> None:
             assert_allclose(history[name][mine], own[name], err_msg=name, **exact)
 
 
+@pytest.mark.slow
 def test_cycles_on_circles_stand_for_their_own(tmp_path: Path, device: str) -> None:
     study = of_circles("local", (24, 16, 24), **{"stepping.jump": 3})
     one, other = tmp_path / "alone", tmp_path / "stopped"

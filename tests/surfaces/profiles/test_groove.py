@@ -55,6 +55,7 @@ def apart(seed: int, count: int = 60) -> np.ndarray:
     return np.array(off)
 
 
+@pytest.mark.slow
 def test_errors_hold_as_often_as_they_say() -> None:
     """Of 30 grooves as many as of Gaussian errors in 19 of 20 such sets; some are too shallow to be found."""
     within = np.abs(apart(0, 30))

@@ -33,6 +33,7 @@ def said(kind, off, *more):
     return inside
 
 
+@pytest.mark.slow
 def test_a_volume_is_off_by_its_error_where_the_surface_is_wavy():
     # the scatter of sections along the track knows nothing of waves that run along it
     off, widths = zip(

@@ -89,6 +89,7 @@ def test_a_far_blob_of_noise_does_not_lengthen_a_scar():
             assert abs(length - 50.0 * PIXEL) < 2.0 * error < 0.2 * length
 
 
+@pytest.mark.slow
 def test_errors_of_lengths_hold():
     """The outline's error is that of its lengths, too: beside pile-up, and where a scar runs out flat."""
     x = np.arange(160) - 79.5

@@ -63,6 +63,7 @@ def test_another_place_is_refused():
         difference(after, other, pixel=(PIXEL, PIXEL), earlier_pixel=(PIXEL, PIXEL))
 
 
+@pytest.mark.slow
 def test_two_places_of_one_lay_are_refused_and_one_place_of_a_lay_alone_is_not():
     """Grooves that repeat were laid over other grooves, and their correlation was enough."""
     rng = np.random.default_rng(5)
