@@ -168,6 +168,8 @@ def test_the_command_prints_and_writes(
     folder = tmp_path / "lapped.npy-joint"
     names = {path.name for path in folder.iterdir()}
     assert {"joint.html", "joint.csv", "joint.json", "conductance.png", "gap_map.png"} <= names
+    assert "heat_transfer [W/m^2/K]  resistance" in text
+    assert "heat_transfer [W/m^2/K]  resistance" in (folder / "joint.html").read_text("utf-8")
     assert (tmp_path / "fe.csv").read_text() == (folder / "joint.csv").read_text()
     header, *rows = (tmp_path / "fe.csv").read_text().splitlines()
     assert header.startswith("pressure [MPa],heat_transfer [W/m^2/K],resistance [ohm mm^2]")

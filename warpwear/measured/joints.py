@@ -103,8 +103,9 @@ class JointCurve(FileReport, FolderReport):
 
     def _parts(self, folder: Path) -> dict[str, Any]:
         page = DECLARED[self.MARK.removesuffix(".json")]
-        name, said = self.text.partition("\n")[0], {"lines": lines(self.rows), "how": page["how"]}
-        return paged(self, self.figures, page["sections"], self.write_table, name=name, **said)
+        name, *told = self.text.split("\n")
+        sections, how = page["sections"], page["how"]
+        return paged(self, self.figures, sections, self.write_table, name=name, lines=told, how=how)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -184,7 +185,7 @@ def joint_curve(
     """
     loads, pair = loads_of(load), [known(material)]
     pair.append(known(against_material, "--against-material") if against_material else pair[0])
-    surfaces = [read_surface(file, **how) for file in (path, against)[: 1 + (against is not None)]]
+    surfaces = [read_surface(file, **how) for file in ([path] if against is None else [path, against])]
     rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
     heads = [*HEADS.values()]
@@ -271,7 +272,7 @@ def measured_contact(
         given |= {"counter": keys | radii, "boundary": "line" if form.rises == (True, False) else "free"}
         shape = keys.get("shape", "ball").replace("crowned", "crowned body")
         other = f"a {shape}, {', '.join(f'{key} {mm:g} mm' for key, mm in radii.items())}"
-    surfaces = [read_surface(file, **how) for file in (path, against)[: 1 + (against is not None)]]
+    surfaces = [read_surface(file, **how) for file in ([path] if against is None else [path, against])]
     rows, columns, _, contact = pressed(surfaces, np.array([amount]), pair, hardness, **given)
     values = numbers_of(contact, {name: float(column[0]) for name, column in columns.items()}, form)
     drawn, below = stresses_of(contact, pair[0]) if stresses else ({}, {})
@@ -318,8 +319,7 @@ def pressed(
     softer = min(body.hardness for body in pair)
     limit = softer if hardness is None else quantity("--hardness", hardness, "MPa")
     heights, cell = rough(*surfaces)
-    forced = given.get("by") == "load"
-    most, unit = (heights.size * cell**2 * limit, "N") if forced else (limit, "MPa")
+    most, unit = (limit * heights.size * cell**2, "N") if given.get("by") == "load" else (limit, "MPa")
     if loads[-1] > most:
         raise InputError(f"--load = {loads[-1]:g} {unit}: at most {most:g} {unit}, all at the hardness")
     modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
