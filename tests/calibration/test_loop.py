@@ -157,7 +157,11 @@ def test_the_command_and_its_refusals(tmp_path: Path) -> None:
         ("Displacement [um],CoF\n" + "1,0.5\n" * 30, "friction force"),
         ("Displacement [um],Friction force [N]\n1,2\n", "a loop of 20"),
         ("Displacement [um],Friction force [N]\n" + "1,2\n" * 30, "does not change"),
-        ("Displacement [um],Friction force [N]\n" + "".join(f"{i},{i}\n" for i in range(30)), "an area"),
+        (
+            "Displacement [um],Friction force [N]\n"
+            + "".join(f"{15 - abs(i)},{15 - abs(i)}\n" for i in range(-15, 16)),
+            "an area",
+        ),
     ):
         file.write_text(text, encoding="utf-8")
         with pytest.raises(InputError, match=told):
@@ -166,6 +170,19 @@ def test_the_command_and_its_refusals(tmp_path: Path) -> None:
         calibrate_loop(written(file, slide=0.024), study=str(strip_in(tmp_path)))
     with pytest.raises(InputError, match="load is missing"):
         calibrate_loop(written(file, slide=0.024))
+
+
+def test_a_part_of_a_cycle_and_several_are_refused(tmp_path: Path) -> None:
+    """Their energy is that of a part, or of all."""
+    header, *rows = written(tmp_path / "loop.csv", slide=3.0 * BORDER).read_text().splitlines()
+    for points in (rows[:450], rows * 2):
+        (tmp_path / "other.csv").write_text("\n".join([header, *points]), encoding="utf-8")
+        with pytest.raises(InputError, match="holds a part of a cycle, or more than one"):
+            calibrate_loop(tmp_path / "other.csv", load="20 N")
+    for names in ("displacement (mm),friction (mN)", "Displacement,Friction force"):
+        (tmp_path / "other.csv").write_text("\n".join([names, *rows]), encoding="utf-8")
+        with pytest.raises(InputError, match="names both columns with units: 'Displacement"):
+            calibrate_loop(tmp_path / "other.csv", load="20 N")
 
 
 def test_several_loops_give_mean_and_scatter(tmp_path: Path) -> None:

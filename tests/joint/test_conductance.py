@@ -248,6 +248,26 @@ def test_what_has_no_half_space_needs_a_boundary_and_has_no_stiffness() -> None:
         contact.conductance(-1.0)
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"film": "thick"}, "film = 'thick' is not possible"),
+        ({"film": math.nan}, "film = nan is not possible"),
+        ({"film": -1.0}, "film = -1 is not possible"),
+        ({"threads": [1]}, r"threads = \[1\] is not possible"),
+    ],
+)
+def test_what_no_flux_has_is_refused_also_where_it_was_found_before(given: Any, message: str) -> None:
+    contact = warpwear.solve_contact(
+        rough(Grid(64, 64, 0.1)) * 0.01, cell=0.1, mean_pressure=0.01, modulus=1.0
+    )
+    contact.flux()
+    with pytest.raises(InputError, match=message):
+        contact.flux(**given)
+    with pytest.raises(TypeError, match="film_resistence"):
+        contact.flux(film_resistence=1.0)
+
+
 def test_nothing_conducts_nothing_and_a_whole_surface_without_bound() -> None:
     none, whole = np.zeros((8, 8), dtype=bool), np.ones((8, 8), dtype=bool)
     assert conduction(none, cell=1.0, boundary="free").length == 0.0

@@ -172,6 +172,7 @@ def test_a_steel_ball() -> None:
         ({"conductivity": (1.0, 2.0, 3.0)}, "conductivity = .* is not possible; it must be"),
         ({"diffusivity": "steel"}, "diffusivity = 'steel' is not possible"),
         ({"moving": "disc"}, "moving = 'disc' is unknown"),
+        ({"moving": np.ones(2)}, "moving = array.* is unknown"),
         ({"shear_strength": 1.0}, "exactly one of friction and shear_strength"),
         ({"friction": None}, "exactly one of friction and shear_strength"),
     ],

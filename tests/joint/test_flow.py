@@ -140,7 +140,7 @@ def test_a_strip_leaks() -> None:
     assert factors.leakage(3.0, viscosity=2.0, length=5.0, axis=1) == pytest.approx(0.1 / 1.0 * 0.5)
     with pytest.raises(InputError, match="viscosity = 0 is not possible"):
         factors.leakage(3.0, viscosity=0.0, length=5.0)
-    for axis in (2, -1, "x"):
+    for axis in (2, -1, "x", np.arange(2)):
         with pytest.raises(InputError, match="is not possible; it must be 0 or 1"):
             factors.leakage(3.0, viscosity=2.0, length=5.0, axis=axis)  # type: ignore[arg-type]
 

@@ -106,6 +106,15 @@ def test_cells_that_are_too_coarse_are_told() -> None:
             {"contact.law": "half-space", "contact.boundary": "line", "counter.shape": "cylinder"},
             "flow needs contact.boundary = 'periodic', not 'line'",
         ),
+        (
+            {
+                "contact.law": "half-space",
+                "contact.boundary": "line",
+                "counter.shape": "cylinder",
+                "output.joint": ["flash"],
+            },
+            "output.joint = flash needs a contact of limited extent",
+        ),
         ({}, "output.joint = flow needs contact.law = 'half-space', not 'local'"),
         ({"output.joint": ["heat"]}, "output.joint"),
     ],

@@ -112,6 +112,8 @@ def test_every_form_is_that_of_solve_contact(surface: Path, counter: dict[str, s
     assert told["pressure_max_MPa"] == contact.pressure.max()
     assert told["conductance_length_mm"] == pytest.approx(contact.conductance())
     assert (told["approach_um"] is None) == (boundary == "line")
+    assert any("distance of the map's length" in text for text in told["undefined"]) == (boundary == "line")
+    assert ("and a crowned body, " in under.text) == (counter.get("shape") == "crowned")
     assert (told["area_corrected_mm2"] is None) == (counter.get("shape") == "pin")
     assert ("hertz_radius_um" in under.table) == (counter.get("shape") != "pin")
     gaps = under.figures["gap_map"].panels[0]
@@ -124,6 +126,7 @@ def test_two_surfaces(surface: Path, tmp_path: Path) -> None:
     counter = {"material": "PTFE"}
     told = warpwear.measured_contact(surface, load="10 MPa", against=other, counter=counter, **STEEL)
     assert told.numbers["area_mm2"] == told.contact.nominal_area
+    assert told.numbers["undefined"] == ["conductance, stiffness: infinite, all cells are in contact"]
     assert told.numbers["not_known"] == ["resistivity of PTFE"]
     assert told.text.startswith("contact of lapped.npy and other.npy\n")
 
@@ -160,11 +163,12 @@ def test_the_command_prints_and_writes(
         ({"load": "5 mm"}, "load = '5 mm': allowed are a force, '5 N', and of a plane a pressure"),
         ({"load": "-5 N"}, "load = '-5 N': allowed are"),
         ({"load": "10 MPa"}, "load = '10 MPa': allowed are a force"),
-        ({"load": "500 N"}, "is not possible; with all cells at the hardness it is"),
+        ({"load": "500 N"}, "load = 500 N: at most 24.9037 N, all at the hardness"),
         ({"flow": True}, "flow and a counter-body exclude each other"),
         ({"against": "lapped.npy"}, "against and a counter-body exclude each other"),
         ({"material": "cheese"}, "no material 'cheese' is known"),
-        ({"counter": {"radius": "3 mm", "material": "cheese"}}, "no material 'cheese' is known"),
+        ({"counter": {"radius": "3 mm", "material": "cheese"}}, "counter.material: no material 'cheese' is"),
+        ({"counter": ["radius", "3 mm"]}, "counter = ['radius', '3 mm']: keys of a study's [counter]"),
         ({"counter": {"radius": "3 kg"}}, "counter.radius = '3 kg': has the wrong dimension"),
         (
             {"counter": {"shape": "cube", "radius": "3 mm"}},

@@ -1,6 +1,7 @@
 """A joint of measured surfaces over its loads: command and function, table, folder, and what is refused."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import warpwear
 from warpwear.cli.main import main
 from warpwear.errors import InputError
 from warpwear.grid import Grid
+from warpwear.measured import joints
 
 pytestmark = pytest.mark.transforms
 
@@ -86,9 +88,50 @@ def test_a_number_is_a_load_and_a_flat_conducts_without_bound(tmp_path: Path) ->
     joint = warpwear.joint_curve(tmp_path / "flat.npy", load=5.0, material="AISI 304", **HOW)
     assert joint.table["pressure"] == [5.0]
     assert joint.table["conductance"] == [np.inf]
+    assert not joint.figures.keys() & {"gap_map", "gap_histogram"}  # of no cell
     two = warpwear.joint_curve(tmp_path / "flat.npy", load="1, 5 MPa", material="AISI 304", **HOW)
     assert not {"conductance", "stiffness"} & {*two.figures}
     assert two.numbers["operations"][1].startswith("flat")
+
+
+@pytest.mark.parametrize("load", ["1 MPa, 5 MPa", "1,5MPa", "1e0, 5e0 N/mm^2"])
+def test_loads_have_one_unit_or_one_each(surface: Path, load: str) -> None:
+    assert [*joints.loads_of(load)] == [1.0, 5.0]
+    assert joints.loads_of("0.1:10MPa") == pytest.approx(np.geomspace(0.1, 10.0, 13))
+
+
+def test_a_pit_does_not_rule_the_axis_of_gaps_which_says_so(tmp_path: Path) -> None:
+    """A pit of 2 of 4096 cells, fifteen times as deep as all else: the axis ends before it."""
+    heights = np.add.outer(np.sin(np.arange(64) / 5.0), np.sin(np.arange(64) / 5.0))
+    heights[30:32, 30] = -60.0
+    np.save(tmp_path / "pit.npy", 0.1 * heights)
+    joint = warpwear.joint_curve(tmp_path / "pit.npy", load="5 MPa", material="AISI 304", **HOW)
+    (chart,), (drawn,) = (joint.figures[f"gap_{kind}"].panels for kind in ("histogram", "map"))
+    found = re.fullmatch("gap, µm; (.*) of the area lies beyond", chart.x.label)
+    assert found is not None
+    assert 0.0005 < float(found[1]) < 0.0015
+    assert chart.lines[0].x[-1] == drawn.scale.high < 1.0
+    assert drawn.scale.beyond == "max"
+    assert chart.lines[0].high[::2].sum() == pytest.approx(1.0 - float(found[1]), abs=1e-4)
+
+
+def test_it_is_told_how_long_a_large_table_takes(
+    surface: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(joints, "LONG", 0.0)
+    warpwear.joint_curve(surface, load="1, 5 MPa", material="AISI 304", **HOW)
+    (told,) = capsys.readouterr().err.splitlines()
+    assert re.fullmatch("joint: about .* (s|min), most for what flows; less with --crop", told)
+
+
+def test_a_table_without_a_folder_is_refused_before_anything_is_solved(
+    surface: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(joints, "joint_curve", None)
+    for table in ("nowhere/fe.csv", "."):
+        with pytest.raises(SystemExit, match="2"):
+            main(["joint", str(surface), *OPTIONS, "--load", "5 MPa", "--json", "--table", table])
+        assert f"--table = {table}: the name of a file in a folder that is there" in capsys.readouterr().err
 
 
 def test_a_gap_of_too_many_cells_has_no_flow(surface: Path, host_with: Any) -> None:
@@ -125,6 +168,8 @@ def test_the_command_prints_and_writes(
     folder = tmp_path / "lapped.npy-joint"
     names = {path.name for path in folder.iterdir()}
     assert {"joint.html", "joint.csv", "joint.json", "conductance.png", "gap_map.png"} <= names
+    assert "heat_transfer [W/m^2/K]  resistance" in text
+    assert "heat_transfer [W/m^2/K]  resistance" in (folder / "joint.html").read_text("utf-8")
     assert (tmp_path / "fe.csv").read_text() == (folder / "joint.csv").read_text()
     header, *rows = (tmp_path / "fe.csv").read_text().splitlines()
     assert header.startswith("pressure [MPa],heat_transfer [W/m^2/K],resistance [ohm mm^2]")
@@ -146,7 +191,9 @@ def test_the_command_prints_and_writes(
         ({"load": "100:1 MPa"}, "load = '100:1 MPa': allowed are '0.1:100 MPa'"),
         ({"load": "1:2:3 MPa"}, "allowed are"),
         ({"load": "5 N"}, "load = '5 N'"),
-        ({"load": "1:5000 MPa"}, "load = 5000 MPa: up to the hardness, 1520 MPa, is allowed"),
+        ({"load": "1:5000 MPa"}, "load = 5000 MPa: at most 1520 MPa, all at the hardness"),
+        ({"load": "1,,5 MPa"}, "load = 'MPa': is not one number"),
+        ({"material": 3}, "material: no material '3' is known"),
         ({"load": "words"}, "load = 'words': is not one number"),
         ({"load": "1, 0 MPa"}, "load = '0 MPa': must be greater than 0 MPa"),
         ({"load": [1, 2]}, "load = '[1 MPa': is not"),

@@ -6,6 +6,7 @@ from importlib.resources import files
 
 import pytest
 
+import warpwear
 from warpwear.study.materials import material, names
 
 #: Given in GPa by their sources, not as a hardness number.
@@ -95,6 +96,17 @@ def test_a_name_of_nothing_is_refused_with_all_that_is_allowed(given: str) -> No
     with pytest.raises(ValueError, match="allowed: ") as refused:
         material(given)
     assert all(name in str(refused.value) for name in names())
+
+
+def test_the_list_has_each_number_with_its_unit_and_source() -> None:
+    told = str(warpwear.materials())
+    for line in (
+        "conductivity 16.2 W/m/K",
+        "density 8000 kg/m^3",
+        "resistivity 7.2e-07 ohm*m",
+        "poisson 0.29",
+    ):
+        assert f"\n    {line}: " in told
 
 
 def test_no_alias_means_two_materials() -> None:

@@ -31,6 +31,8 @@ CURVED = (1.0 - 0.5 * STRAIGHT) ** (-1 / 3)
 MIDDLE = 0.5
 #: Fewest points of a loop, and of the straight line behind each of its tips.
 FEWEST, FEWEST_STRAIGHT = 20, 4
+#: Part of the travel by which the end of a cycle may lie off its beginning.
+OPEN = 0.25
 #: Energy over 4QΔ up to which a ball on a stiff rig does not slip as a whole.
 PARTIAL = 0.2
 #: Displacement from which on a ball slips as a whole, over its force and the compliance of its contact.
@@ -254,7 +256,11 @@ def _scatter(values: FloatArray) -> float:
 def _read(file: Path) -> tuple[FloatArray, FloatArray]:
     """Return displacement [mm] and friction force [N], centred, of the rows of a file. Raises InputError."""
     table = read_record(file)
-    columns = choose(table)
+    try:
+        columns = choose(table)
+    except InputError as error:
+        names = "'Displacement [um]' and 'Friction force [N]', each once"
+        raise InputError(f"{file} has no header that names both columns with units: {names}") from error
     for role, name in (("position", "Displacement [um]"), ("friction force", "Friction force [N]")):
         if role not in columns:
             raise InputError(f"{file} has no column for the {role}: a name such as '{name}' is expected")
@@ -267,6 +273,9 @@ def _read(file: Path) -> tuple[FloatArray, FloatArray]:
     if not (values.max(axis=0) > 0.0).all():
         raise InputError(f"{file}: displacement or friction force does not change, and no loop is there")
     place, force = values.T
+    sides = np.sign(place[np.abs(place) > 0.5 * place.max()])
+    if np.count_nonzero(np.diff(sides)) > 2 or abs(place[-1] - place[0]) > OPEN * np.ptp(place):
+        raise InputError(f"{file} holds a part of a cycle, or more than one: the points of one are needed")
     # a force on the other body points the other way, and has its tips where there are none
     done = force @ (np.roll(place, -1) - np.roll(place, 1))
     return place, force if done > 0.0 else -force

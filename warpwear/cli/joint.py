@@ -69,6 +69,8 @@ def _tell(call: Any, kind: Any, surface: Path, options: dict[str, Any]) -> None:
     if folder is not None:
         kind.check_out(folder, overwrite=overwrite)
     read = {file.resolve() for file in (surface, options["against"]) if file is not None}
+    if table is not None and (table.is_dir() or not table.absolute().parent.is_dir()):
+        raise InputError(f"--table = {table}: the name of a file in a folder that is there is allowed")
     if table is not None and table.exists() and (table.resolve() in read or not overwrite):
         cure = "" if table.resolve() in read else ", or --overwrite"
         raise InputError(f"--table = {table} is there already: give another name{cure}")

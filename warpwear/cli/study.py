@@ -42,7 +42,7 @@ def show(study: str, changes: tuple[str, ...]) -> None:
 def list_materials() -> None:
     """List the known materials.
 
-    Each has elastic constants and a hardness, and each value its source.
+    Each has elastic constants, a hardness and what it conducts, and each value its unit and source.
     """
     click.echo(known.materials())
 

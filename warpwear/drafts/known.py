@@ -50,7 +50,7 @@ def materials() -> Catalogue:
     Returns
     -------
     Catalogue
-        By name: condition, young [MPa], poisson, hardness [MPa] and sources.
+        By name: condition, young [MPa], poisson, hardness [MPa], what it conducts, and sources.
 
     Examples
     --------
@@ -65,7 +65,9 @@ def materials() -> Catalogue:
             f"{each.name}, {each.condition}: E {1e-3 * each.young:g} GPa, ν {each.poisson:g}, "
             f"hardness {1e-3 * each.hardness:.3g} GPa"
         )
-        lines += [f"    {value}: {source}" for value, source in each.sources.items()]
+        for name, source in each.sources.items():
+            value = f"{name} {getattr(each, name):g} {table.UNITS.get(name, '')}".rstrip()
+            lines.append(f"    {value}: {source}")
     return Catalogue(known, "\n".join(lines))
 
 

@@ -1,6 +1,9 @@
 """Press measured surfaces on each other: what their joint conducts over the load, and all of one contact."""
 
 import math
+import re
+import sys
+import time
 import tomllib
 import warnings
 from collections.abc import Mapping
@@ -13,7 +16,8 @@ from typing import Any, Unpack
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.array.arguments import FORM_KEYS, counter_of
+from warpwear.clock import lasting
+from warpwear.contact.array.arguments import FORM_KEYS, counter_of, shown
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.solve import solve_contact
 from warpwear.errors import InputError, named_in_python
@@ -46,6 +50,10 @@ FEWEST = 16
 STEEP = 0.3
 #: Lines that are drawn beside, other than that of wider cells.
 LAWS = {"plastic": Look(describe.NOMINAL, "dash", 0.8), "elastic": Look(describe.NOMINAL, "dashdot", 0.8)}
+#: Part of the cells beyond which none are shown where they would take more than half of an axis.
+COMMON = 0.999
+#: Seconds of a table from which it is told how long it takes; over those of cells twice as wide, about.
+LONG, FINER = 60.0, 8.0
 #: Units of columns, figures, and what the page says.
 DECLARED = tomllib.loads((files("warpwear.measured") / "joint.toml").read_text(encoding="utf-8"))
 FLOWS = [name for name in DECLARED["columns"] if "flow" in name]
@@ -95,8 +103,9 @@ class JointCurve(FileReport, FolderReport):
 
     def _parts(self, folder: Path) -> dict[str, Any]:
         page = DECLARED[self.MARK.removesuffix(".json")]
-        name, said = self.text.partition("\n")[0], {"lines": lines(self.rows), "how": page["how"]}
-        return paged(self, self.figures, page["sections"], self.write_table, name=name, **said)
+        name, *told = self.text.split("\n")
+        sections, how = page["sections"], page["how"]
+        return paged(self, self.figures, sections, self.write_table, name=name, lines=told, how=how)
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -176,12 +185,12 @@ def joint_curve(
     """
     loads, pair = loads_of(load), [known(material)]
     pair.append(known(against_material, "--against-material") if against_material else pair[0])
-    surfaces = [read_surface(file, **how) for file in (path, against) if file is not None]
+    surfaces = [read_surface(file, **how) for file in ([path] if against is None else [path, against])]
     rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
     heads = [*HEADS.values()]
     rows.append(Row("", "table", dict(zip(heads, map(list, table.values()), strict=True))))
-    other = Path(against).name if against else "a smooth plane"
+    other = Path(str(against)).name if against else "a smooth plane"
     shown = [row[:PRINTED] for row in [heads, *cells]] if len(cells) > 1 else zip(heads, *cells, strict=True)
     of_loads = [f"  {line}" for line in aligned([*shown])]
     text = "\n".join([f"joint of {Path(path).name} and {other}", *lines(rows), *of_loads])
@@ -248,19 +257,22 @@ def measured_contact(
     >>> round(under.numbers["hertz_radius_um"], 2), under.contact.boundary
     (16.89, 'free')
     """
+    if not isinstance(counter or {}, Mapping):
+        raise InputError(f"counter = {shown(counter)}: keys of a study's [counter] are allowed, in a dict")
     keys = dict(counter or {})
-    pair = [known(material), known(keys.pop("material", material))]
+    pair = [known(material), known(keys.pop("material", material), "counter.material")]
     radii = {k: quantity(f"counter.{k}", keys[k], "mm", allowed=RADII) for k in FORM_KEYS if k in keys}
     form: Any = counter_of(keys | radii or None, counter_radius=None, shape=(0, 0))
     by, amount = load_of(load, plane=form is None)
     given: dict[str, Any] = {"by": by, "flow": flow, "device": device}
-    other = Path(against).name if against else "a smooth plane"
+    other = Path(str(against)).name if against else "a smooth plane"
     if form is not None:
         if flow or against is not None:
             raise InputError(f"{'--flow' if flow else '--against'} and a counter-body exclude each other")
         given |= {"counter": keys | radii, "boundary": "line" if form.rises == (True, False) else "free"}
-        other = f"a {keys.get('shape', 'ball')}, {', '.join(f'{key} {mm:g} mm' for key, mm in radii.items())}"
-    surfaces = [read_surface(file, **how) for file in (path, against) if file is not None]
+        shape = keys.get("shape", "ball").replace("crowned", "crowned body")
+        other = f"a {shape}, {', '.join(f'{key} {mm:g} mm' for key, mm in radii.items())}"
+    surfaces = [read_surface(file, **how) for file in ([path] if against is None else [path, against])]
     rows, columns, _, contact = pressed(surfaces, np.array([amount]), pair, hardness, **given)
     values = numbers_of(contact, {name: float(column[0]) for name, column in columns.items()}, form)
     drawn, below = stresses_of(contact, pair[0]) if stresses else ({}, {})
@@ -281,7 +293,7 @@ def measured_contact(
 def known(name: str, option: str = "--material") -> Material:
     """Return the known material of an option. Raises InputError."""
     try:
-        return known_material(name)
+        return known_material(str(name))
     except ValueError as error:
         raise InputError(f"{option}: {error}") from None
 
@@ -289,10 +301,9 @@ def known(name: str, option: str = "--material") -> Material:
 def loads_of(said: str | float) -> FloatArray:
     """Return the mean pressures [MPa] that a text says, or a number. Raises InputError."""
     text = said if isinstance(said, str) else f"{said} MPa"
-    numbers, _, unit = text.strip().rpartition(" ")
-    is_range = ":" in numbers
-    parts = [f"{one.strip()} {unit}".strip() for one in numbers.split(":" if is_range else ",")]
-    values = [quantity("--load", part, "MPa") for part in parts]
+    unit, is_range = "".join(re.findall(r"[^\d\s.,:eE+-]\S*$", text.strip())), ":" in text
+    numbers = [part.replace(unit, "").strip() for part in text.split(":" if is_range else ",")]
+    values = [quantity("--load", f"{number} {unit}".strip(), "MPa") for number in numbers]
     if sorted({*values}) != values or (is_range and len(values) != 2):
         raise InputError(f"--load = {text!r}: allowed are '0.1:100 MPa', or loads that rise, '1, 5, 20 MPa'")
     return np.geomspace(values[0], values[1], LOADS) if is_range else np.array(values)
@@ -307,16 +318,17 @@ def pressed(
     """
     softer = min(body.hardness for body in pair)
     limit = softer if hardness is None else quantity("--hardness", hardness, "MPa")
-    if given.get("by", "mean_pressure") == "mean_pressure" and loads[-1] > limit:
-        raise InputError(f"--load = {loads[-1]:g} MPa: up to the hardness, {limit:g} MPa, is allowed")
+    heights, cell = rough(*surfaces)
+    most, unit = (limit * heights.size * cell**2, "N") if given.get("by") == "load" else (limit, "MPa")
+    if loads[-1] > most:
+        raise InputError(f"--load = {loads[-1]:g} {unit}: at most {most:g} {unit}, all at the hardness")
     modulus = effective_modulus(*((body.young, body.poisson) for body in pair))
     doubts = [doubt for body in surfaces for doubt in body.numbers["doubts"]]
-    heights, cell = rough(*surfaces)
     wide = heights.reshape(heights.shape[0] // 2, 2, -1, 2).mean(axis=(1, 3))
     given |= {"modulus": modulus, "hardness": limit}
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        coarse, _ = press(wide, loads, pair, cell=2.0 * cell, **given)
+        coarse, _ = press(wide, loads, pair, cell=2.0 * cell, finer=FINER, **given)
         told.clear()
         table, last = press(heights, loads, pair, cell=cell, **given)
     slope = rms_slope(heights, pixel=(cell, cell))
@@ -329,7 +341,7 @@ def pressed(
         for name in CHANGED:
             change = 100.0 * (coarse[name] / table[name] - 1.0)
             change = change[np.isfinite(change)]
-            changes.append(Row(name, name, float(change.mean()) if change.size else None, 2))
+            changes.append(Row(name, name, float(change.mean()) if change.size else None, 3))
     missing = [
         f"{name} of {body.name}"
         for body in {body.name: body for body in pair}.values()
@@ -370,8 +382,10 @@ def press(
 ) -> tuple[Table, ArrayContact]:
     """Return the columns of all loads, NaN where it is not known what conducts, and the last contact.
 
-    by: what the loads are to `solve_contact`, which takes what is given. flow: whether there is any.
+    by: what the loads are to `solve_contact`, which takes what is given. flow: whether there is any. finer:
+    how much longer all takes, finer cells too, of which it is told; 0 for nothing. The first load compiles.
     """
+    begun, finer = time.monotonic(), given.pop("finer", 0.0)
     flow, on, rows = given.pop("flow", True), {"device": given.pop("device")}, []
     k, rho = ([getattr(body, name) or math.nan for body in pair] for name in ("conductivity", "resistivity"))
     for load in loads:
@@ -397,6 +411,9 @@ def press(
             **dict(zip(FLOWS, flows, strict=True)),
         }
         rows.append([row[name] for name in DECLARED["columns"]])
+        lasts, begun = finer * len(loads) * (time.monotonic() - begun), time.monotonic()
+        if len(rows) == 2 and finer and lasts > LONG:
+            print(f"joint: about {lasting(lasts)}, most for what flows; less with --crop", file=sys.stderr)
     return dict(zip(DECLARED["columns"], np.array(rows).T, strict=True)), contact
 
 
@@ -440,14 +457,22 @@ def fields_of(contact: ArrayContact) -> dict[str, Figure]:
     figures, fields = {}, {"pressure": (pressure, touches), "gap": (gap, ~(touches | beyond))}
     for name, (field, where) in fields.items():
         said = DECLARED["fields"][name]
-        scale = Scale(said["label"], 0.0, float(np.nanmax(field)) or 1.0, colours=said["colours"])
+        values = field[where]
+        if not values.size:
+            continue
+        top, common = float(values.max()) or 1.0, float(np.quantile(values, COMMON))
+        high = common if 0.0 < common < 0.5 * top else top
+        further = float(np.mean(values > high))
+        label = said["label"] + (f"; {further:.2g} of the area lies beyond" if further else "")
+        end: Any = "max" if further else "neither"
+        scale = Scale(said["label"], 0.0, high, colours=said["colours"], beyond=end)
         title, hidden = name.capitalize() + at, beyond if beyond.any() else None
         drawn_map = Map(title, [field], extent, scale, hidden=hidden, x="x, mm", y="y, mm")
-        counts, edges = np.histogram(field[where], BINS, (0.0, scale.high))
-        places, heights = np.repeat(edges, 2)[1:-1], np.repeat(counts / max(counts.sum(), 1), 2)
+        counts, edges = np.histogram(values, BINS, (0.0, high))
+        places, heights = np.repeat(edges, 2)[1:-1], np.repeat(counts / values.size, 2)
         share = Axis(f"share of the area {said['cells']}, –", low=0.0)
         bars = Line(places, heights, look=Look(describe.TOUCHED, ""), low=0.0 * heights, high=heights)
-        chart = Chart(title, Axis(said["label"]), share, [bars])
+        chart = Chart(title, Axis(label), share, [bars])
         figures[f"{name}_map"] = Figure([drawn_map], 1, width=describe.COLUMN)
         figures[f"{name}_histogram"] = Figure([chart], 1, width=describe.COLUMN)
     return figures

@@ -105,6 +105,8 @@ def _boundary(study: Content) -> None:
         raise refused("repeated_counter", study=study)
     if "flow" in study.output.joint and study.boundary != "periodic":
         raise refused("flow", study=study)
+    if "flash" in study.output.joint and study.is_line:
+        raise refused("flash")
 
 
 def _shape(study: Content) -> None:

@@ -112,8 +112,8 @@ class ArrayContact:
             film_resistance, of a film on the area in contact, resistance × area; gap_conductivity of a gas or
             grease in the gap, with jump, a length by which that is longer for it and which it needs: without
             it, cells at the rims of spots would conduct the more the smaller they are. What it conducts is
-            added as if it flowed straight across. boundary, by default that of the half-space; device and
-            threads.
+            added as if it flowed straight across. boundary, by default that of the half-space; of a line what
+            is found is out to a distance of the array's length along axis 0. device and threads.
 
         Returns
         -------

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from warpwear.contact.array.arguments import number, shown
+from warpwear.contact.array.arguments import number, shape_of, shown
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
@@ -64,7 +64,7 @@ class FlowFactors:
         InputError
             For another axis, and a number that is not positive.
         """
-        if axis not in (0, 1):
+        if shape_of(axis) or axis not in (0, 1):
             raise InputError(f"axis = {shown(axis)} is not possible; it must be 0 or 1.")
         numbers = {"pressure_drop": pressure_drop, "viscosity": viscosity, "length": length}
         drop, viscosity, length = (number(name, value, optional=False) for name, value in numbers.items())

@@ -21,6 +21,7 @@ from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.solver import MAX_ITERATIONS
 from warpwear.contact.half_space.transforms import array_module
 from warpwear.contact.half_space.window import Window
+from warpwear.engine.device import check_threads
 from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError, InputError
@@ -131,9 +132,11 @@ def of_contact(
     film: float = 0.0,
     boundary: str | None = None,
     tolerance: float = TOLERANCE,
-    **where: Any,
+    device: str = "cpu",
+    threads: int | None = None,
 ) -> Conduction:
     """Return what a contact conducts, computed once; capped: its cells at the hardness, too."""
+    check_threads(threads)
     boundary = contact.boundary if boundary is None else boundary
     if not is_boundary(boundary):
         raise InputError(
@@ -146,7 +149,8 @@ def of_contact(
     asked = np.count_nonzero(cells), film, boundary, tolerance
     if asked not in contact.conductions:
         options: dict[str, Any] = {"film": film, "boundary": boundary, "tolerance": tolerance}
-        contact.conductions[asked] = conduction(cells, cell=contact.cell, **options, **where)
+        options |= {"cell": contact.cell, "device": device, "threads": threads}
+        contact.conductions[asked] = conduction(cells, **options)
     return contact.conductions[asked]
 
 
@@ -180,10 +184,10 @@ def conductance(
 def stiffness(contact: ArrayContact, *, unloading: bool, **where: Any) -> float:
     """Return what `ArrayContact.stiffness` does."""
     if contact.modulus is None:
-        raise InputError("contact is not possible without a half-space; it must be solved with a modulus.")
+        raise InputError("stiffness needs a half-space; the contact must be solved with a modulus.")
     return contact.modulus * of_contact(contact, capped=unloading, **where).length
 
 
-def flux(contact: ArrayContact, **options: Any) -> FloatArray:
+def flux(contact: ArrayContact, *, film: float | None = None, **options: Any) -> FloatArray:
     """Return what `ArrayContact.flux` does."""
-    return of_contact(contact, tolerance=FINE, **options).flux
+    return of_contact(contact, film=number("film", film) or 0.0, tolerance=FINE, **options).flux

@@ -52,7 +52,7 @@ def flash(
     speed = number("speed", speed, optional=False)
     friction, strength = number("friction", friction), number("shear_strength", shear_strength)
     check_choice("exactly one", friction=friction, shear_strength=strength)
-    if moving not in MOVING:
+    if shape_of(moving) or moving not in MOVING:
         raise InputError(f"moving = {shown(moving)} is unknown; allowed are {' and '.join(MOVING)}.")
     given = {"conductivity": conductivity, "diffusivity": diffusivity, "bulk": bulk}
     constants = []
