@@ -147,7 +147,10 @@ def coverage(session: nox.Session) -> None:
 @nox.session
 def docs(session: nox.Session) -> None:
     """Make the site in build/site, with its tutorials and examples run; a page of it fetches nothing."""
-    install(session, ".[io,docs]")
+    install(session, ".[io,docs,test]")
+    session.run(
+        "python", "-m", "pytest", "-q", "-m", "slow or not slow", "tests/docs/test_commands_in_python.py"
+    )
     site = ROOT / "build" / "site"
     shutil.rmtree(site, ignore_errors=True)
     session.run("python", "-m", "sphinx", "-W", "--keep-going", "-j", "auto", "-q", "docs", str(site))

@@ -75,7 +75,9 @@ def test_a_plain_grid_says_the_same(seed: int) -> None:
     assert ends == pytest.approx((low, high), abs=0.02 * (high - low))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(5), *(pytest.param(n, marks=pytest.mark.slow) for n in range(5, 20))]
+)
 def test_a_plain_grid_says_the_same_of_a_trend(seed: int) -> None:
     """An independent sum over mean, slope and scatter: the mean under another load, and the slope."""
     dice = np.random.default_rng(100 + seed)

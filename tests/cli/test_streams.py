@@ -32,7 +32,9 @@ def shell(command: str, folder: Path, *, limit: float | None = None) -> "subproc
     )
 
 
-@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(
+    "closed", [*(pytest.param(one, marks=pytest.mark.slow) for one in (">&-", "2>&-")), "<&- >&- 2>&-"]
+)
 def test_closed_streams_stop_nothing(closed: str, tmp_path: Path) -> None:
     done = shell(f"run v3-fine {QUICK} --out out {closed}", tmp_path)
     assert done.returncode == 0, done.stderr

@@ -65,6 +65,7 @@ def blank(quick_pictures: Any) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("blank")
+@pytest.mark.slow
 def test_rows_do_what_the_commands_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -121,7 +121,7 @@ def test_it_is_told_how_long_a_large_table_takes(
     monkeypatch.setattr(joints, "LONG", 0.0)
     warpwear.joint_curve(surface, load="1, 5 MPa", material="AISI 304", **HOW)
     (told,) = capsys.readouterr().err.splitlines()
-    assert re.fullmatch("joint: about .* (s|min), most for what flows; less with --crop", told)
+    assert re.fullmatch("joint: about .* (s|min), most for what flows; less by --no-flow, or --crop", told)
 
 
 def test_a_table_without_a_folder_is_refused_before_anything_is_solved(
@@ -218,3 +218,14 @@ def test_a_table_never_replaces_a_surface(surface: Path, capsys: pytest.CaptureF
         main([*command, str(surface)])
     assert "is there already: give another name.\n" in capsys.readouterr().err
     assert surface.read_bytes() == before
+
+
+def test_what_flows_is_left_out_if_asked(surface: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The rest is the same; what was not looked at is no number."""
+    with pytest.raises(SystemExit, match="0"):
+        main(["joint", str(surface), *OPTIONS, "--load", "1, 5 MPa", "--json", "--no-flow"])
+    told = json.loads(capsys.readouterr().out)["table"]
+    table = warpwear.joint_curve(surface, load="1, 5 MPa", material="AISI 304", **HOW).table
+    assert told["conductance [1/mm]"] == table["conductance"].tolist()
+    assert told["flow_along [1]"] == [None, None]
+    assert np.isfinite(table["flow_along"]).all()

@@ -152,7 +152,12 @@ def test_other_coefficients_are_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("unit", "factor"), [("N mm", 1.0), ("Nmm", 1.0), ("N·m", 1e3), ("Nm", 1e3), ("mNm", 1.0), ("N*cm", 10.0)]
+    ("unit", "factor"),
+    [("N mm", 1.0), ("N·m", 1e3)]
+    + [
+        pytest.param(unit, factor, marks=pytest.mark.slow)
+        for unit, factor in (("Nmm", 1.0), ("Nm", 1e3), ("mNm", 1.0), ("N*cm", 10.0))
+    ],
 )
 def test_a_torque_over_the_radius_is_the_friction_force(tmp_path: Path, unit: str, factor: float) -> None:
     path = record(

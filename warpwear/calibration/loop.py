@@ -165,9 +165,9 @@ class LoopCalibration(Report):
             ),
             Row("energy", "energy_mJ", self.energy, unit="mJ"),
             Row("energy over 4QΔ", "energy_ratio", self.energy_ratio),
-            Row("behind the tips", "compliance_um_per_N", behind, unit="µm/N", note="yields in all"),
-            Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note="(Mindlin, unworn)"),
-            Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"),
+            Row("behind the tips", "compliance_um_per_N", behind, note="yields in all"),
+            Row("of the contact", "contact_um_per_N", contact, note="(Mindlin, unworn)"),
+            Row("of the rig", "rig_compliance_um_per_N", rig),
         ]
         factors = {name: times(factor, self.errors.get(name)) for name, factor in ERRORS.items()}
         errors = {key: factors[name] for key, name in ERRORS_OF.items()}

@@ -28,6 +28,7 @@ BODIES = together(
 @click.option("--load", required=True, help="Mean pressures: '0.1:100 MPa', 13 of them, or '1, 5, 20 MPa'.")
 @BODIES
 @click.option("--against-material", help="Of the other body. [default: the same]")
+@click.option("--flow/--no-flow", default=True, help="Find what flows, too, which takes most of the time.")
 @click.option("--table", type=PATH, help="Write the table over the loads, CSV, to this file, too.")
 def joint(surface: Path, **options: Any) -> None:
     """Press a measured SURFACE on a plane, or on another one: what the joint does over the load.

@@ -136,6 +136,7 @@ def joint_curve(
     against: str | Path | None = None,
     against_material: str | None = None,
     hardness: str | float | None = None,
+    flow: bool = True,
     device: str = "cpu",
     **how: Unpack[HowToRead],
 ) -> JointCurve:
@@ -156,6 +157,8 @@ def joint_curve(
         Of the other body; by default the same.
     hardness
         Largest pressure of a cell [MPa], or text; by default that of the softer material.
+    flow
+        Whether to find what flows through the gap, which takes most of the time.
     device
         "cpu" or "cuda:0".
     **how
@@ -186,7 +189,7 @@ def joint_curve(
     loads, pair = loads_of(load), [known(material)]
     pair.append(known(against_material, "--against-material") if against_material else pair[0])
     surfaces = [read_surface(file, **how) for file in ([path] if against is None else [path, against])]
-    rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, device=device)
+    rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, flow=flow, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
     heads = [*HEADS.values()]
     rows.append(Row("", "table", dict(zip(heads, map(list, table.values()), strict=True))))
@@ -413,7 +416,8 @@ def press(
         rows.append([row[name] for name in DECLARED["columns"]])
         lasts, begun = finer * len(loads) * (time.monotonic() - begun), time.monotonic()
         if len(rows) == 2 and finer and lasts > LONG:
-            print(f"joint: about {lasting(lasts)}, most for what flows; less with --crop", file=sys.stderr)
+            cure = "most for what flows; less by --no-flow, or --crop" if flow else "less by --crop"
+            print(f"joint: about {lasting(lasts)}, {cure}", file=sys.stderr)
     return dict(zip(DECLARED["columns"], np.array(rows).T, strict=True)), contact
 
 
