@@ -41,15 +41,14 @@ def height_parameters(heights: FloatArray) -> dict[str, float]:
     """
     heights = _there(heights)
     centred = heights - heights.mean()
-    power = np.square(centred)
-    variance = float(power.mean())
-    flat = variance == 0.0
+    sq = math.sqrt(float(np.square(centred).mean()))
+    scaled = centred / (sq or 1.0)  # whose powers neither overflow nor vanish
     return {
         "sa": float(np.abs(centred).mean()),
-        "sq": math.sqrt(variance),
+        "sq": sq,
         "sz": float(centred.max() - centred.min()),
-        "ssk": 0.0 if flat else float((power * centred).mean()) / variance**1.5,
-        "sku": 0.0 if flat else float(np.square(power).mean()) / variance**2,
+        "ssk": float((scaled**3).mean()),
+        "sku": float((scaled**4).mean()),
     }
 
 

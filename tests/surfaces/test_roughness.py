@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from warpwear.surfaces.roughness import developed_area, profile_roughness, rms_slope, roughness
+from warpwear.surfaces.roughness import (
+    developed_area,
+    height_parameters,
+    profile_roughness,
+    rms_slope,
+    roughness,
+)
 
 
 def test_of_a_sine():
@@ -48,6 +54,14 @@ def test_slope_of_a_tilt_uses_each_axis_own_pixel():
 
 def test_a_flat_has_no_nan():
     assert set(roughness(np.full((4, 4), 2.0), pixel=(1.0, 1.0)).values()) == {0.0}
+
+
+@pytest.mark.parametrize("factor", [1e-90, 1e90])
+def test_heights_of_any_size_have_a_kurtosis(factor):
+    """Its fourth powers, of a damaged file, were beyond what a number holds."""
+    heights = np.random.default_rng(0).normal(size=(40, 40))
+    one, other = height_parameters(heights), height_parameters(factor * heights)
+    assert [other[name] for name in ("ssk", "sku")] == pytest.approx([one["ssk"], one["sku"]])
 
 
 def test_a_field_shorter_than_the_filters_has_no_ra():
