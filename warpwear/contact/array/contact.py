@@ -81,12 +81,12 @@ class ArrayContact:
 
     @cached_property
     def area(self) -> float:
-        """Return the real area of contact, of the cells that carry a pressure: a length²."""
+        """Return the real area of contact, a length², of the cells that carry a pressure."""
         return np.count_nonzero(self.pressure) * self.cell**2
 
     @cached_property
     def area_at_hardness(self) -> float:
-        """Return the area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
+        """Return the area, a length², of the cells whose pressure is the hardness; 0 without a hardness.
 
         Of a bearing area it may be a cell short of `area`: one cell carries what is left of the load.
         """
