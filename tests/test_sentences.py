@@ -2,10 +2,12 @@
 
 import ast
 import re
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
 
+from warpwear import Study
 from warpwear.errors import prose
 
 ROOT = Path(__file__).parent.parent
@@ -40,3 +42,13 @@ def test_every_sentence_is_said_and_gets_its_fields(name: str) -> None:
     for sentence, call in said.items():
         fields = set(re.findall(r"{(\w+)", str(texts[sentence]).replace("{'", ""))) - OF_ALL
         assert fields == {value.arg for value in call.keywords if value.arg} - OF_ALL, sentence
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_what_fields_ask_of_a_study_is_there_and_has_their_format(name: str) -> None:
+    study = Study.load("running-in")
+    values = defaultdict(lambda: 1.5, study=study, film=study.friction.film, block=study.blocks[0])
+    values |= {key: getattr(study, key) for key in ("grid", "sliding", "friction", "wear")}
+    for sentence in prose(name).values():
+        texts = [sentence] if isinstance(sentence, str) else sentence.values()
+        assert all(text.format_map(values) for text in texts if isinstance(text, str))

@@ -97,7 +97,7 @@ def find_worn_ball(
         if abs(ball.volume - other.volume) > allowed or _bend(ball.lost, ball.patch, pixel) >= 0.0:
             raise InputError(NOT_TOLD)
     if ball.volume <= LEAST_ERRORS * ball.volume_error:
-        raise refused("unworn_ball", ball=ball)
+        raise refused("unworn_ball", volume=ball.volume, error=ball.volume_error)
     return ball
 
 

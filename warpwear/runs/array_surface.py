@@ -72,7 +72,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
     shape = (x.size, y.size)
     if heights.shape != shape:
         where = "track" if study.is_swept else "domain"
-        raise InputError(say("other_shape", heights=heights, shape=shape, cell=1e3 * cell, where=where))
+        raise InputError(say("other_shape", given=heights.shape, shape=shape, cell=1e3 * cell, where=where))
     path = NO_FILE if folder is None else str(folder.resolve() / SURFACE_FILE)
     reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
     prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)

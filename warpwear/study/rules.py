@@ -61,7 +61,7 @@ def _fatigue(study: Content) -> None:
         return
     ratio = fatigue.torsion / fatigue.bending
     if not LEAST_TORSION <= ratio <= 1.0:
-        raise refused("torsion", fatigue=fatigue, ratio=ratio, least=LEAST_TORSION)
+        raise refused("torsion", torsion=fatigue.torsion, ratio=ratio, least=LEAST_TORSION)
     side = min(study.grid.sides[: 1 if study.is_line else 2])
     if fatigue.length > side:
         raise refused("fatigue_length", length=1e3 * fatigue.length, side=1e3 * side)
@@ -75,7 +75,7 @@ def _fretting(study: Content) -> None:
     if limit == 0.0:
         raise refused("no_friction")
     if sliding.force is not None and sliding.force >= limit:
-        raise refused("force", sliding=sliding, limit=limit)
+        raise refused("force", force=sliding.force, limit=limit)
     if sliding.drives_bodies:
         return
     stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
@@ -92,7 +92,7 @@ def _line(study: Content) -> None:
         return
     load = study.contact.load
     if isinstance(load, LineLoad):
-        raise refused("load_of_a_length", load=load)
+        raise refused("load_of_a_length", per_length=load.per_length)
     if study.cells.ny < FEWEST_ACROSS:
         raise refused("few_across", study=study, cell=1e3 * grid.cell, fewest=FEWEST_ACROSS)
 
@@ -114,7 +114,8 @@ def _shape(study: Content) -> None:
     counter, extent = study.counter, min(study.grid.sides)
     width = 2.0 * counter.form.reach
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
-        raise refused("pin", counter=counter, width=width, study=study)
+        radius, edge = counter.nominal_radius, counter.edge_radius
+        raise refused("pin", radius=radius, edge=edge, width=width, study=study)
 
 
 def _factors(study: Content) -> None:
@@ -177,7 +178,7 @@ def _over_pressure(study: Content) -> None:
     """Refuse a K over the pressure that programs do not follow."""
     counter, disc = study.wear_laws
     if study.study.model == "two-scale" and counter.over_pressure[0] and not counter.in_proportion_to(disc):
-        raise refused("unlike_proportions", counter=counter)
+        raise refused("unlike_proportions", law=counter.name)
     for body, law in zip(BODIES, study.wear_laws, strict=True):
         pressures, values = law.over_pressure
         named = f"wear.{body} = {getattr(study.wear, body).value:g} with wear.law = '{law.name}'"
@@ -188,7 +189,7 @@ def _over_pressure(study: Content) -> None:
         if law.rates().min() < 0.0:
             raise refused("falling_wear", named=named, pressure=pressures[0])
     if len(knots_of(study.wear_laws)) > MOST_KNOTS:
-        raise refused("many_pressures", counter=counter, most=MOST_KNOTS)
+        raise refused("many_pressures", law=counter.name, most=MOST_KNOTS)
 
 
 def without_unit(study: Content) -> Iterator[str]:

@@ -61,7 +61,7 @@ class LayerSection(Section):
         if self.shear_strength is not None and self.coefficient is not None:
             raise ValueError(f"layer '{self.name}': shear_strength and coefficient exclude each other")
         if self.wear.dimensionless or self.wear.value == 0.0:
-            raise refused("wear_of_a_layer", layer=self, wear=self.wear.write())
+            raise refused("wear_of_a_layer", name=self.name, wear=self.wear.write())
 
 
 def _rows(value: Any) -> Any:
