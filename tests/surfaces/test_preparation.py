@@ -62,6 +62,12 @@ def test_a_sphere_is_taken_off_and_its_radius_told(measure, rough):
     assert np.abs(hollow.levelled).max() < 1e-9
 
 
+@pytest.mark.parametrize("form", ["sphere", "cylinder"])
+def test_what_has_no_such_form_is_told(measure, form):
+    with pytest.raises(InputError, match=rf'"{form}" and no {form} fits .*\(no curvature\): allowed'):
+        measure(np.zeros((50, 60)), level=form)
+
+
 def test_fit_of_a_sphere_is_exact():
     x, y = places((120, 90), (0.004, 0.006))
     for radius in (3.0, -0.8, 250.0):

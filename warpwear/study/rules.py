@@ -72,8 +72,6 @@ def _fretting(study: Content) -> None:
     sliding, limit = study.sliding, study.friction.coefficient * study.contact.load
     if study.fretting is None:
         return
-    if limit == 0.0:
-        raise refused("no_friction")
     if sliding.force is not None and sliding.force >= limit:
         raise refused("force", force=sliding.force, limit=limit)
     if sliding.drives_bodies:
