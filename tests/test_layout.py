@@ -17,7 +17,7 @@ CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 #: Folders of what is installed, and of what is not.
 PRODUCT, BESIDE = ("warpwear", "kernels", "surfaces"), ("bench", "tests")
 #: Most bare lines of what is installed, Python and C++ together: a feature more is a line less elsewhere.
-MOST_LINES = 44_600
+MOST_LINES = 44_599
 #: Tokens of Python that no line is counted for.
 BLANK = {
     tokenize.COMMENT,
