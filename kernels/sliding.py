@@ -127,7 +127,7 @@ class StepTables:
 
 #: A step whose balance is found: the tiles listed, what it is, and its search.
 SOLVED = {**LISTED, "slides": SLIDES, "springs": Springs}
-#: List, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps.
+#: List, row by row, the tiles with a gap that does not exceed the limit, and write their gaps.
 select = native_pass(
     "select_tiles", lists=LISTS, slides=SLIDES, bounds=Bounds, **OF_CELLS, bodies=Bodies, **LISTED
 )

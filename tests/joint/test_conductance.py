@@ -64,6 +64,16 @@ def test_a_conductance_lacks_no_more_than_its_tolerance(boundary: str, level: fl
     assert 0 < rough_one.iterations <= 12
 
 
+@pytest.mark.parametrize("shape", [(1, 400), (4, 400)], ids=str)
+def test_a_strip_under_a_free_boundary_lacks_a_little_more(shape: tuple[int, int]) -> None:
+    """The stop test takes the inverse of a surface that repeats, which there is but near."""
+    found, fine = (
+        conduction(np.ones(shape, dtype=bool), cell=1.0, boundary="free", tolerance=one).length
+        for one in (TOLERANCE, FINE)
+    )
+    assert TOLERANCE < 1.0 - found / fine < 10.0 * TOLERANCE
+
+
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_no_number_depends_on_the_threads(boundary: str, two_threads: int) -> None:
     cells = rough(Grid(96, 64, 1.0), shortest=12) > 0.8

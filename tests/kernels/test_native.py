@@ -22,7 +22,8 @@ KERNELS = [
     kernel
     for path, text in TEXTS.items()
     if "@wp.kernel" in text or "_pass(" in text or "of_both(" in text
-    for kernel in vars(importlib.import_module(named(path))).values()
+    for value in vars(importlib.import_module(named(path))).values()
+    for kernel in (value.values() if isinstance(value, dict) else (value,))  # one a kind of number
     if isinstance(kernel, wp.Kernel)
 ]
 #: What Warp compiles at once: the kernels of a file or of some.

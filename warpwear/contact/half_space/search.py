@@ -260,7 +260,7 @@ class Search:
         self._go_beyond(program, passes.gather, (2, 3, 4))
 
     def _go_beyond(self, program: Program, by_tiles: Any, numbers: tuple[int, ...]) -> None:
-        """Extend the free cells, or gather what others give back, by tiles or by passes of these numbers."""
+        """Weigh by compliances; extend free cells, or gather, by tiles or by passes of these numbers."""
         if self._yields:
             self._pass(program, passes.weigh)
         if not self._extends:

@@ -30,7 +30,8 @@ from warpwear.kernels.cells import LANES
 
 measurements = lazy.module("scipy.ndimage")
 
-#: Part of a conductance that may be missing; and that of a flux which is asked for, whose error is the root.
+#: Part of a conductance that may be missing, see `conduction`; and that of a flux which is asked for, whose
+#: error is the root.
 TOLERANCE, FINE = 1.0e-4, 1.0e-12
 #: Cells of the median spot below which the mesh decides what it conducts.
 FEWEST_CELLS = 3
