@@ -7,6 +7,7 @@ pressure where E* is 1 (Barber 2003, Proc. R. Soc. A 459, 53), and so is its ope
 import math
 import warnings
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from warpwear import lazy
 from warpwear.contact.array.arguments import is_boundary, number, shown
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.memory import check_memory, giving_back
-from warpwear.contact.array.workplace import workplace
+from warpwear.contact.array.workplace import Workplace, workplace
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.solver import MAX_ITERATIONS
 from warpwear.contact.half_space.transforms import array_module
@@ -83,21 +84,30 @@ def conduction(
     if boundary == "free":
         window = Window.close_to(box, grid)
         grid, part = window.grid(grid), window.cells
-    there = np.divmod(np.flatnonzero(cells[part]), grid.ny)
-    lent = workplace(
-        "normal",
-        grid.shape,
-        lambda: check_memory(grid.shape, device, boundary),
-        device=device,
-        threads=threads,
-    )
-    with lent as place, giving_back(place.executor), array_module(place.executor) as xp:
+    check = partial(check_memory, grid.shape, device, boundary)
+    lent = workplace("normal", grid.shape, check, device=device, threads=threads)
+    with lent as place, giving_back(place.executor):
+        local, energy, iterations = _at_one_potential(place, cells[part], boundary, film / cell, tolerance)
+    total, flux = float(local.sum()), np.zeros(cells.shape)
+    flux[cells] = local * (cells.size / total)
+    return Conduction(cell * total**2 / energy, flux, iterations)
+
+
+def _at_one_potential(
+    place: Workplace, touches: npt.NDArray[np.bool_], boundary: str, film: float, tolerance: float
+) -> tuple[FloatArray, float, int]:
+    """Return the flux of cells as `conduction` does, its product with the potential, and iterations.
+
+    What it takes of a device ends with it, so that its caller can give that back.
+    """
+    with array_module(place.executor) as xp:
         executor, single = place.executor, tolerance > FINE
         answers = place.solver((boundary, single), lambda: Answers(executor, boundary, single=single))
-        answers.operator.set_compliance(film / cell, 0.0)
+        answers.operator.set_compliance(film, 0.0)
         answers.fields[0].zero_()
         given, answer = (xp.asarray(field).reshape(-1) for field in answers.fields)
-        places = xp.asarray(there[0] * (executor.vectors * LANES) + there[1])
+        row, column = np.nonzero(touches)
+        places = xp.asarray(row * (executor.vectors * LANES) + column)
 
         def answered(program: Program, values: Any) -> Any:
             given[places] = values
@@ -112,18 +122,14 @@ def conduction(
             descent -= descent.mean()
             energy, missing = (float((a * b).sum()) for a, b in ((local, potential), (residual, descent)))
             if missing <= tolerance * energy:
-                break
+                return local if xp is np else local.get(), energy, iteration
             if iteration:
                 descent -= step * ((descent * response).sum() / (step * response).sum())
             step, response = descent, answered(answers.response, descent)
             length = (residual * step).sum() / (step * response).sum()
             local = local + length * step
             potential = potential + length * response
-        else:
-            raise ConvergenceError(f"no flux of one potential was found in {MAX_ITERATIONS} iterations.")
-        total, flux = float(local.sum()), np.zeros(cells.shape)
-        flux[part][there] = (local if xp is np else local.get()) * (cells.size / total)
-    return Conduction(cell * total**2 / energy, flux, iteration)
+    raise ConvergenceError(f"no flux of one potential was found in {MAX_ITERATIONS} iterations.")
 
 
 def of_contact(
