@@ -172,7 +172,9 @@ def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
 
 
 @pytest.mark.parametrize(
-    ("track", "wears"), [("full", True), ("representative", True), ("rotating", False)], ids=str
+    ("track", "wears"),
+    [pytest.param("full", True, marks=pytest.mark.slow), ("representative", True), ("rotating", False)],
+    ids=str,
 )
 def test_a_track_goes_on_from_any_step(
     track: str, wears: bool, two_threads: int, monkeypatch: pytest.MonkeyPatch

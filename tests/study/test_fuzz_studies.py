@@ -86,7 +86,7 @@ def write(text: str, folder: str) -> Path:
     return path
 
 
-@examples(100, 5000)
+@examples(50, 5000)
 def test_broken_text(count: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
 
@@ -121,7 +121,7 @@ def broken_trees(draw: st.DrawFn) -> dict[str, Any]:
     return tree
 
 
-@examples(100, 5000)
+@examples(50, 5000)
 def test_broken_keys_and_values(count: int) -> None:
     try_all(count, broken_trees(), lambda tree: study_or_sentence(lambda: Study(**tree)))
 

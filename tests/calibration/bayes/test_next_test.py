@@ -112,6 +112,7 @@ def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path
         assert "(grid.extent 1." in test.label
 
 
+@pytest.mark.slow
 def test_tests_are_tried_before_anything_is_sampled(
     tmp_path: Path, watch: Callable[..., None], failing: Callable[[str, Exception], None]
 ) -> None:

@@ -98,7 +98,13 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 
 
 #: The last is long; stresses at rest and programmes on tracks are stopped, too.
-SLOW = (*COVERED, "programme, swept, stresses", "half-space track, jumps", "layers, jumps")
+SLOW = (
+    *COVERED,
+    "programme, swept, stresses",
+    "half-space track, jumps",
+    "layers, jumps",
+    "fretting, gross slip",
+)
 
 
 @pytest.mark.parametrize(
