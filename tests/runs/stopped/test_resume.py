@@ -97,7 +97,7 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
     assert any(steps_of("bearing area", heights, increments, k)[0] != rows for k in range(1, 12))
 
 
-#: The last is long; stresses at rest and programmes on tracks are stopped, too.
+#: Long, or like quicker ones; what each of them has is stopped in another, too.
 SLOW = (
     *COVERED,
     "programme, swept, stresses",
