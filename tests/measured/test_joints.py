@@ -45,6 +45,8 @@ def test_a_curve_is_that_of_solved_contacts(surface: Path) -> None:
     assert table["heat_transfer"] == pytest.approx(16.2 * 1e3 * table["conductance"])
     assert table["resistance"] == pytest.approx(7.2e-4 / table["conductance"])
     assert (np.diff(table["conductance"]) > 0.0).all()
+    assert table["residual"][-1] == contact.residual
+    assert joint.numbers["residual_largest"] == table["residual"].max() < 1e-5
     flow = contact.flow_factors()
     assert table["flow_along"][-1] == pytest.approx(flow.along)
     assert table["flow_across"][-1] == pytest.approx(flow.across)

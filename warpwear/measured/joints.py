@@ -192,6 +192,7 @@ def joint_curve(
     rows, table, coarse, last = pressed(surfaces, loads, pair, hardness, flow=flow, device=device)
     cells = [[f"{at:.3g}" for at in row] for row in zip(*table.values(), strict=True)]
     heads = [*HEADS.values()]
+    rows.insert(-1, Row("residual", "residual_largest", float(table["residual"].max()), note="at most"))
     rows.append(Row("", "table", dict(zip(heads, map(list, table.values()), strict=True))))
     other = Path(str(against)).name if against else "a smooth plane"
     shown = [row[:PRINTED] for row in [heads, *cells]] if len(cells) > 1 else zip(heads, *cells, strict=True)
@@ -412,6 +413,7 @@ def press(
             "heat_transfer": 2e3 * length / area / sum(1.0 / one for one in k),
             "resistance": 500.0 * area / length * sum(rho),
             **dict(zip(FLOWS, flows, strict=True)),
+            "residual": contact.residual,
         }
         rows.append([row[name] for name in DECLARED["columns"]])
         lasts, begun = finer * len(loads) * (time.monotonic() - begun), time.monotonic()

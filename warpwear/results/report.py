@@ -8,13 +8,10 @@ from typing import Any
 
 from warpwear.history.quantities import printed
 
-_UNITS = [
-    *("um", "mm", "um^2", "mm^2", "mm^3", "N", "MPa", "J", "W", "s"),
-    *("um/N", "N/mm^3", "mm^3/N/m", "mm/min"),
-]
+_UNITS = ("um", "mm", "um^2", "mm^2", "mm^3", "N", "MPa", "J", "W", "s", "N/mm^3", "mm^3/N/m", "mm/min")
 #: End of a key -> its unit as people write it.
 UNITS = {unit.replace("^", "").replace("/N/m", "/Nm").replace("/", "_per_"): printed(unit) for unit in _UNITS}
-UNITS |= {"percent": "%", "per_Pa": "m²/N (Pa⁻¹)", "MPa_m_per_s": "MPa·m/s"}
+UNITS |= {"percent": "%", "per_Pa": "m²/N (Pa⁻¹)", "MPa_m_per_s": "MPa·m/s", "um_per_N": "µm/N"}
 #: Column at which values start.
 VALUES = 19
 
